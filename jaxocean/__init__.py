@@ -1,0 +1,4 @@
+"""A differentiable ocean: wind → spectrum → surface → whitecaps, and its gradient back."""
+
+from . import spectra as spectra
+from .wind import Wind as Wind

@@ -1,0 +1,115 @@
+"""Numerical helpers that every room needs: leaves, safe derivatives at singular points, quadrature rules."""
+
+import numpy as np
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ._types import FloatLike
+
+
+def as_leaf(value: FloatLike) -> Float[Array, "..."]:
+    """Turn a number into a floating-point array; a floating-point input keeps its precision."""
+    array = jnp.asarray(value)
+    return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(jnp.result_type(float))
+
+
+def optional_leaf(value: FloatLike | None) -> Float[Array, "..."] | None:
+    """`as_leaf` that passes None on."""
+    return None if value is None else as_leaf(value)
+
+
+def is_concrete(value: object) -> bool:
+    """Whether a value is known now, that is: not a tracer inside jit, vmap or grad."""
+    return not isinstance(value, jax.core.Tracer)
+
+
+def check_scalar(
+    name: str,
+    value: Float[Array, "..."] | None,
+    unit: str,
+    *,
+    minimum: float | None = None,
+    maximum: float | None = None,
+    positive: bool = False,
+) -> None:
+    """Raise one clear sentence if a leaf is not a finite scalar inside its range; tracers pass.
+
+    **Raises:** `ValueError` that names the argument, what it must be and what it is.
+    """
+    if value is None or not is_concrete(value) or not isinstance(value, (jax.Array, np.ndarray)):
+        return
+    if value.ndim != 0:
+        raise ValueError(
+            f"Argument `{name}` must be one number, but has shape {value.shape}: "
+            "objects are unbatched, batch them with `equinox.filter_vmap`."
+        )
+    number = float(value)
+    where = f" {unit}" if unit else ""
+    if not np.isfinite(number):
+        raise ValueError(f"Argument `{name}` must be finite, but is {number}{where}.")
+    if positive and number <= 0:
+        raise ValueError(f"Argument `{name}` must be greater than 0{where}, but is {number:g}.")
+    if minimum is not None and number < minimum:
+        raise ValueError(f"Argument `{name}` must be at least {minimum:g}{where}, but is {number:g}.")
+    if maximum is not None and number > maximum:
+        raise ValueError(f"Argument `{name}` must be at most {maximum:g}{where}, but is {number:g}.")
+
+
+def safe_sqrt(x: Float[Array, "*s"]) -> Float[Array, "*s"]:
+    """√max(x, 0) whose derivative at x ≤ 0 is 0 instead of infinity."""
+    positive = x > 0
+    return jnp.where(positive, jnp.sqrt(jnp.where(positive, x, 1.0)), 0.0)
+
+
+def safe_norm(x: Float[Array, "*s"], y: Float[Array, "*s"]) -> Float[Array, "*s"]:
+    """√(x² + y²) whose derivative at the origin is 0 instead of NaN."""
+    return safe_sqrt(x * x + y * y)
+
+
+def safe_divide(x: Float[Array, "*s"], y: Float[Array, "*s"]) -> Float[Array, "*s"]:
+    """x / y, and 0 with derivative 0 where y = 0."""
+    nonzero = y != 0
+    return jnp.where(nonzero, x / jnp.where(nonzero, y, 1.0), 0.0)
+
+
+def safe_angle(x: Float[Array, "*s"], y: Float[Array, "*s"]) -> Float[Array, "*s"]:
+    """The direction atan2(y, x) [rad], 0 with derivative 0 at the origin."""
+    away = (x != 0) | (y != 0)
+    return jnp.where(away, jnp.arctan2(jnp.where(away, y, 0.0), jnp.where(away, x, 1.0)), 0.0)
+
+
+def logarithmic_nodes(
+    lower: float, upper: float, *, panels: int = 24, order: int = 16
+) -> tuple[np.ndarray, np.ndarray]:
+    """Composite Gauss–Legendre rule for ∫ f(k) dk, uniform in log k.
+
+    **Arguments:** `lower`, `upper`: 0 < lower < upper; `panels`, `order`: the rule has their product of nodes.
+
+    **Returns:** nodes and weights, float64, with the Jacobian dk = k d(log k) in the weights.
+    """
+    x, w = np.polynomial.legendre.leggauss(order)
+    edges = np.linspace(np.log(lower), np.log(upper), panels + 1)
+    half = 0.5 * np.diff(edges)[:, None]
+    centre = 0.5 * (edges[1:] + edges[:-1])[:, None]
+    nodes = np.exp(centre + half * x).ravel()
+    return nodes, (half * w).ravel() * nodes
+
+
+def periodic_nodes(count: int) -> tuple[np.ndarray, float]:
+    """The trapezoidal rule on the circle: `count` angles [rad] and their common weight 2π/count.
+
+    An even count holds with each angle its opposite, so that a spectrum that is cut to a half-plane integrates
+    exactly like the symmetric one.
+    """
+    return np.arange(count) * (2.0 * np.pi / count), 2.0 * np.pi / count
+
+
+def leaf_dtype(*trees: object) -> jnp.dtype:
+    """The common floating-point type of all leaves, to which constants of a computation are cast."""
+    leaves = [
+        leaf
+        for leaf in jax.tree.leaves(trees)
+        if hasattr(leaf, "dtype") and jnp.issubdtype(leaf.dtype, jnp.floating)
+    ]
+    return jnp.result_type(*leaves) if leaves else jnp.result_type(float)

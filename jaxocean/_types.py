@@ -1,0 +1,18 @@
+"""The shape vocabulary: the few array types that the whole house speaks."""
+
+from typing import TypeAlias
+
+import numpy as np
+from jaxtyping import Array, Float, Inexact
+
+Scalar: TypeAlias = Float[Array, ""]
+"""A zero-dimensional floating-point array: a physical number that one may differentiate or fit."""
+
+ScalarLike: TypeAlias = float | int | Float[Array, ""] | Float[np.ndarray, ""] | np.floating
+"""What users may write where a scalar leaf is expected."""
+
+FloatLike: TypeAlias = float | int | Float[Array, "..."] | Float[np.ndarray, "..."] | np.floating
+"""A number or an array of numbers."""
+
+Complex: TypeAlias = Inexact[Array, "..."]
+"""A complex (or real) array of any shape."""
