@@ -11,7 +11,9 @@ from ._types import FloatLike
 def as_leaf(value: FloatLike) -> Float[Array, "..."]:
     """Turn a number into a floating-point array; a floating-point input keeps its precision."""
     array = jnp.asarray(value)
-    return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(jnp.result_type(float))
+    floating = jnp.issubdtype(array.dtype, jnp.floating)
+    # Naming the type makes it strong: a weakly typed leaf would compile everything a second time.
+    return array.astype(array.dtype if floating else jnp.result_type(float))
 
 
 def optional_leaf(value: FloatLike | None) -> Float[Array, "..."] | None:
