@@ -1,0 +1,1 @@
+"""Experiments: typed configs in, runs with tables, data and pictures out. Importing this imports no JAX."""

@@ -1,0 +1,115 @@
+"""The command line: `jaxocean run | list | show`. Nothing here imports JAX until something runs."""
+
+import signal
+import sys
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from ._errors import UserError
+from ._version import version
+
+app = typer.Typer(
+    name="jaxocean",
+    help="A differentiable ocean: from the wind to whitecaps, and back.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Config = Annotated[
+    str, typer.Argument(metavar="CONFIG", help="A name from `jaxocean list`, or a path to a YAML file.")
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[KEY.PATH=VALUE]...", help="Changes, for example wind.speed=12 choppiness=[1,1,0.8,0.8]."
+    ),
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"jaxocean {version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_version, is_eager=True)
+    ] = False,
+) -> None:
+    del version
+
+
+@app.command()
+def run(
+    config: Config,
+    overrides: Overrides = None,
+    force: Annotated[bool, typer.Option("--force", help="Repeat a run that is already finished.")] = False,
+    output: Annotated[
+        str | None, typer.Option("--output", metavar="DIR", help="Folder for runs [runs].")
+    ] = None,
+) -> None:
+    """Run an experiment, or find its finished run again."""
+    from ._execute import execute
+    from ._loading import load
+    from ._progress import bars
+
+    loaded = load(config, overrides or [], output=output)
+    console = Console(stderr=True)
+    with bars(console) as progress:
+        finished, found = execute(loaded, force=force, progress=progress)
+    sys.stdout.write(finished.summary())
+    origin = finished.provenance()
+    if found:
+        print(f"\nFound again, finished {origin['date']} (--force repeats it): {finished.folder}")
+    else:
+        print(f"\nFinished in {origin['duration_s']:.1f} s: {finished.folder}")
+    print("  " + "  ".join(finished.files()))
+
+
+@app.command("list")
+def list_() -> None:
+    """List the configs that can be run, and the experiments behind them."""
+    from ._show import configs_table
+
+    _print(configs_table())
+
+
+@app.command()
+def show(config: Config, overrides: Overrides = None) -> None:
+    """Show every key of a config with its value, unit, default, range and meaning."""
+    from ._loading import load
+    from ._show import keys_table
+
+    _print(keys_table(load(config, overrides or [])))
+
+
+def _print(table: Any) -> None:
+    """To a terminal in its width; to a file or pipe wide enough for one line per key."""
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=250)
+    console.print(table)
+
+
+def main() -> None:
+    """Entry point: exit code 0, or 2 with one sentence, or 130 after Ctrl-C."""
+    # A terminated run cleans up like an interrupted one.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        app(prog_name="jaxocean")
+    except UserError as error:
+        print(f"Error: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("Interrupted: nothing was kept of the unfinished run.", file=sys.stderr)
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

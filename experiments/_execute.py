@@ -1,0 +1,96 @@
+"""One run, from a checked config to a finished folder."""
+
+import time
+import traceback
+import warnings
+from dataclasses import replace
+from typing import Any
+
+from ._errors import UserError
+from ._loading import Loaded
+from ._progress import Reporter, Silent
+from ._report import render
+from ._result import Result, jsonable
+from ._store import FinishedRun, RunWriter, find, identity, run_folder
+
+ROOMS = ("jaxocean", "fitting", "experiments")
+
+
+def execute(
+    loaded: Loaded, *, force: bool = False, progress: Reporter | None = None
+) -> tuple[FinishedRun, bool]:
+    """Run the experiment, or find its finished run.
+
+    **Arguments:** `loaded`: the config; `force`: repeat even if it is finished; `progress`: who is told.
+
+    **Returns:** the finished run, and whether it was found instead of run.
+
+    **Raises:** `UserError` for whatever the user can mend; the output folder is then as it was.
+    """
+    digest = identity(loaded)
+    folder = run_folder(loaded, digest)
+    found = find(folder)
+    if found and not force:
+        return found, True
+    with RunWriter(folder) as writer:
+        run = loaded.experiment.load()
+        # Only now: whatever needs xarray or matplotlib comes with the experiment.
+        from ._files import Files
+        from ._provenance import provenance
+
+        start = time.perf_counter()
+        try:
+            with warnings.catch_warnings():
+                messages = _collect_warnings()
+                result = run(loaded.config, progress or Silent(), Files(writer.folder, loaded))
+            result = replace(result, notes=(*result.notes, *dict.fromkeys(messages)))
+            _write(writer, result, loaded, provenance(loaded, digest, time.perf_counter() - start))
+            return writer.finish(), False
+        except OSError as error:
+            raise UserError(
+                f"The run stopped because a file could not be read or written: {error}. Nothing of it was kept."
+            ) from error
+        except Exception as error:
+            if not _is_ours(error):
+                raise
+            raise UserError(_one_line(error)) from error
+
+
+def _write(writer: RunWriter, result: Result, loaded: Loaded, origin: dict[str, Any]) -> None:
+    writer.write_yaml("config.yaml", loaded.config.model_dump(mode="json", exclude={"output"}))
+    writer.write_json("provenance.json", origin)
+    writer.write_json("result.json", jsonable(result.values))
+    writer.write_text("summary.txt", render(result))
+
+
+def _collect_warnings() -> list[str]:
+    """Let the rooms' own warnings become notes of the result, even where warnings are errors."""
+    notes: list[str] = []
+
+    def keep(message: Warning | str, *_: Any, **__: Any) -> None:
+        notes.append(f"Warning: {_one_line(message)}")
+
+    def show(message: Any, category: type[Warning], filename: str, lineno: int, *rest: Any) -> None:
+        if issubclass(category, UserWarning):
+            keep(message)
+        else:
+            original(message, category, filename, lineno, *rest)
+
+    original = warnings.showwarning
+    warnings.showwarning = show
+    warnings.filterwarnings("always", category=UserWarning, module=rf"({'|'.join(ROOMS)})(\.|$)")
+    return notes
+
+
+def _is_ours(error: Exception) -> bool:
+    """Whether a room raised this on purpose: a ValueError from our own code, or an error of fitting's own."""
+    if type(error).__module__.partition(".")[0] == "fitting":
+        return True
+    if not isinstance(error, ValueError):
+        return False
+    last = list(traceback.walk_tb(error.__traceback__))[-1][0]
+    return str(last.f_globals.get("__name__", "")).partition(".")[0] in ROOMS
+
+
+def _one_line(message: object) -> str:
+    return " ".join(str(message).split())

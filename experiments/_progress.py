@@ -1,0 +1,61 @@
+"""What an experiment says while it works."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+
+class Reporter(Protocol):
+    """The `progress` that an experiment's `run` is given."""
+
+    def step(self, what: str) -> None:
+        """Say what is being done now, for example "Fitting ε to Monahan 1980"."""
+
+    def count(self, what: str, total: int) -> Callable[[], None]:
+        """Say it with a bar of `total` parts; call the returned function after each part."""
+        ...
+
+
+class Silent:
+    """Says nothing."""
+
+    def step(self, what: str) -> None:
+        del what
+
+    def count(self, what: str, total: int) -> Callable[[], None]:
+        del what, total
+        return lambda: None
+
+
+class Bars:
+    """Live lines on a terminal; on anything else one line per step."""
+
+    def __init__(self, console: Console, progress: Progress) -> None:
+        self._console, self._progress = console, progress
+        self._current = None
+
+    def step(self, what: str) -> None:
+        self._start(what, None)
+
+    def count(self, what: str, total: int) -> Callable[[], None]:
+        task = self._start(what, total)
+        return lambda: self._progress.update(task, advance=1)
+
+    def _start(self, what: str, total: int | None):
+        if not self._console.is_terminal:
+            self._console.print(f"{what} …", highlight=False)
+        if self._current is not None:
+            self._progress.remove_task(self._current)
+        self._current = self._progress.add_task(what, total=total)
+        return self._current
+
+
+@contextmanager
+def bars(console: Console) -> Iterator[Bars]:
+    """A `Reporter` on the console, gone without a trace when the work is done."""
+    columns = (TextColumn("{task.description}"), BarColumn(24), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        yield Bars(console, progress)

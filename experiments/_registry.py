@@ -1,0 +1,52 @@
+"""Every experiment: its name, its config, and where its `run` lives (imported only when it runs)."""
+
+import importlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from . import schema
+from ._errors import UserError, nearest
+from ._result import Result
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One experiment.
+
+    **Arguments:**
+
+    - `name`: the value of the key `experiment` in its configs.
+    - `summary`: one line for `jaxocean list`.
+    - `config`: its config class, from `experiments.schema` (no JAX there).
+    - `module`: the module with `run(config, progress, store) -> Result`; the only place that may import JAX.
+    """
+
+    name: str
+    summary: str
+    config: type[schema.ExperimentConfig]
+    module: str
+
+    def load(self) -> Callable[..., Result]:
+        """Import the experiment's module, and with it JAX, and return its `run`."""
+        return importlib.import_module(self.module).run
+
+
+EXPERIMENTS = (
+    Experiment(
+        "spectrum",
+        "a sea state: its spectrum, Hs, Tp, slopes per band, and one realisation",
+        schema.SeaStateConfig,
+        "experiments.spectrum",
+    ),
+)
+
+
+def find(name: str, experiments: Sequence[Experiment] = EXPERIMENTS) -> Experiment:
+    """The experiment of that name, or an error that names the nearest one."""
+    for experiment in experiments:
+        if experiment.name == name:
+            return experiment
+    names = [experiment.name for experiment in experiments]
+    near = nearest(name, names)
+    hint = f"did you mean `{near}`?" if near else f"the experiments are {', '.join(names)}."
+    raise UserError(f"There is no experiment `{name}`: {hint}")

@@ -1,0 +1,111 @@
+"""The section `spectrum`: one family of wave spectra, each with keys of its own."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ._base import Section, key
+
+
+class CosinePowerSpreading(Section):
+    """cos²ˢ with Mitsuyasu's exponent."""
+
+    law: Literal["cosine_power"] = key("cosine_power", meaning="directional spreading law")
+    s_max: float = key(
+        10.0, unit="-", meaning="exponent at the peak: 10 wind sea, 25-75 swell", gt=0, le=1000
+    )
+
+
+class HasselmannSpreading(Section):
+    """Hasselmann et al. 1980."""
+
+    law: Literal["hasselmann"] = key("hasselmann", meaning="directional spreading law")
+
+
+class DonelanBannerSpreading(Section):
+    """sech² of Donelan and Banner."""
+
+    law: Literal["donelan_banner"] = key("donelan_banner", meaning="directional spreading law")
+
+
+class ElfouhailySpreading(Section):
+    """1 + Δ cos 2φ of Elfouhaily et al. 1997."""
+
+    law: Literal["elfouhaily"] = key("elfouhaily", meaning="directional spreading law")
+
+
+Spreading = Annotated[
+    CosinePowerSpreading | HasselmannSpreading | DonelanBannerSpreading | ElfouhailySpreading,
+    Field(discriminator="law"),
+]
+
+
+def _spreading():
+    return key(DonelanBannerSpreading(), meaning="how energy spreads over directions")
+
+
+class ElfouhailyConfig(Section):
+    """Elfouhaily et al. 1997: swell to ripples."""
+
+    family: Literal["elfouhaily"] = key("elfouhaily", meaning="family of spectra")
+    inverse_wave_age: float | None = key(
+        None, unit="-", meaning="Ω = U10/c_p; null: from the wind's fetch, 0.84 without one", ge=0.5, le=10
+    )
+    half_plane: bool = key(False, meaning="only waves that travel downwind, energy unchanged")
+    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+
+
+class PiersonMoskowitzConfig(Section):
+    """Pierson-Moskowitz: a fully developed sea from the wind."""
+
+    family: Literal["pierson_moskowitz"] = key("pierson_moskowitz", meaning="family of spectra")
+    spreading: Spreading = _spreading()
+    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+
+
+class JonswapConfig(Section):
+    """JONSWAP: from height and period, or from the wind and `wind.fetch`."""
+
+    family: Literal["jonswap"] = key("jonswap", meaning="family of spectra")
+    significant_wave_height: float | None = key(
+        None, unit="m", meaning="Hs; null: from the wind and wind.fetch", gt=0, le=50
+    )
+    peak_period: float | None = key(
+        None, unit="s", meaning="Tp; null: from the wind and wind.fetch", gt=0, le=60
+    )
+    peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
+    spreading: Spreading = _spreading()
+    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+
+
+class TmaConfig(Section):
+    """TMA: JONSWAP in water of finite depth."""
+
+    family: Literal["tma"] = key("tma", meaning="family of spectra")
+    depth: float = key(20.0, unit="m", meaning="water depth", gt=0, le=12000)
+    significant_wave_height: float | None = key(
+        None, unit="m", meaning="Hs; null: from the wind and wind.fetch", gt=0, le=50
+    )
+    peak_period: float | None = key(
+        None, unit="s", meaning="Tp; null: from the wind and wind.fetch", gt=0, le=60
+    )
+    peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
+    spreading: Spreading = _spreading()
+    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+
+
+class PhillipsConfig(Section):
+    """Phillips as in Tessendorf's notes."""
+
+    family: Literal["phillips"] = key("phillips", meaning="family of spectra")
+    amplitude: float = key(6e-7, unit="-", meaning="A", gt=0, le=1)
+    small_wave_cutoff: float = key(
+        0.0, unit="m", meaning="waves much shorter than 2π times this are damped", ge=0, le=1e3
+    )
+    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+
+
+SpectrumConfig = Annotated[
+    ElfouhailyConfig | PiersonMoskowitzConfig | JonswapConfig | TmaConfig | PhillipsConfig,
+    Field(discriminator="family"),
+]
