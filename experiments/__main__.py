@@ -55,14 +55,18 @@ def run(
     ] = None,
 ) -> None:
     """Run an experiment, or find its finished run again."""
-    from ._execute import execute
+    from ._cache import keep_compiled_programs
+    from ._execute import execute, find_finished
     from ._loading import load
     from ._progress import bars
 
     loaded = load(config, overrides or [], output=output)
-    console = Console(stderr=True)
-    with bars(console) as progress:
-        finished, found = execute(loaded, force=force, progress=progress)
+    found = None if force else find_finished(loaded)
+    finished = found
+    if finished is None:
+        keep_compiled_programs()
+        with bars(Console(stderr=True)) as progress:
+            finished = execute(loaded, progress)
     sys.stdout.write(finished.summary())
     origin = finished.provenance()
     if found:

@@ -29,7 +29,7 @@ def keep_compiled_programs() -> None:
     """Switch JAX's persistent compilation cache on if it can be written; the user's own setting wins."""
     import jax
 
-    if os.environ.get("JAX_COMPILATION_CACHE_DIR") or jax.config.jax_compilation_cache_dir:
+    if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return
     folder = cache_folder()
     if folder is None or not _writable(folder):

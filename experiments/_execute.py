@@ -16,40 +16,37 @@ from ._store import FinishedRun, RunWriter, find, identity, run_folder
 ROOMS = ("jaxocean", "fitting", "experiments")
 
 
-def execute(
-    loaded: Loaded, *, force: bool = False, progress: Reporter | None = None
-) -> tuple[FinishedRun, bool]:
-    """Run the experiment, or find its finished run.
+def find_finished(loaded: Loaded) -> FinishedRun | None:
+    """The finished run of this config, or None; imports no JAX."""
+    return find(run_folder(loaded, identity(loaded)))
 
-    **Arguments:** `loaded`: the config; `force`: repeat even if it is finished; `progress`: who is told.
 
-    **Returns:** the finished run, and whether it was found instead of run.
+def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
+    """Run the experiment and replace an earlier run of the same config.
+
+    **Arguments:** `loaded`: the config; `progress`: who is told what is being done.
+
+    **Returns:** the finished run.
 
     **Raises:** `UserError` for whatever the user can mend; the output folder is then as it was.
     """
     digest = identity(loaded)
-    folder = run_folder(loaded, digest)
-    found = find(folder)
-    if found and not force:
-        return found, True
-    with RunWriter(folder) as writer:
-        run = loaded.experiment.load()
-        # Only now: whatever needs xarray or matplotlib comes with the experiment.
-        from ._files import Files
-        from ._provenance import provenance
-
+    with RunWriter(run_folder(loaded, digest)) as writer:
         start = time.perf_counter()
         try:
+            run = loaded.experiment.load()
+            # Only now: xarray and matplotlib come with the experiment.
+            from ._files import Files
+            from ._provenance import provenance
+
             with warnings.catch_warnings():
                 messages = _collect_warnings()
                 result = run(loaded.config, progress or Silent(), Files(writer.folder, loaded))
             result = replace(result, notes=(*result.notes, *dict.fromkeys(messages)))
             _write(writer, result, loaded, provenance(loaded, digest, time.perf_counter() - start))
-            return writer.finish(), False
+            return writer.finish()
         except OSError as error:
-            raise UserError(
-                f"The run stopped because a file could not be read or written: {error}. Nothing of it was kept."
-            ) from error
+            raise UserError(f"A file could not be read or written, and nothing was kept: {error}.") from error
         except Exception as error:
             if not _is_ours(error):
                 raise

@@ -45,8 +45,8 @@ class Files:
     ) -> None:
         """Save variables made by `variable` as CF netCDF `<name>.nc`.
 
-        **Arguments:** `variables`, `coordinates`: by name; `title`: of the data set; `attributes`: what else the
-        numbers depend on (the band, the area measure, the spectral tail), as global attributes.
+        **Arguments:** `variables`, `coordinates`: by name; `title`: of the data set; `attributes`: what the
+        numbers also depend on (the band, the area measure, the spectral tail), as global attributes.
         """
         dataset = xr.Dataset(dict(variables), dict(coordinates or {}))
         dataset.attrs = {

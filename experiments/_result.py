@@ -22,7 +22,8 @@ class Table:
 class Result:
     """The outcome of an experiment.
 
-    **Arguments:** `values`: numbers, texts, arrays and nests of them for `result.json` (NaN becomes null); `tables` and `notes`: what the user sees at the end and again when the run is found.
+    **Arguments:** `values`: numbers, texts, arrays and nests of them for `result.json` (NaN becomes null);
+    `tables` and `notes`: what the user sees at the end and again when the run is found.
     """
 
     values: Mapping[str, Any]

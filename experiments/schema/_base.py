@@ -17,7 +17,7 @@ def key(default: Any = ..., *, unit: str = "", meaning: str, within: str = "", *
 
     **Arguments:** `default`: its value when absent, or `...` if it must be given; `unit`: SI, `"-"` for a
     pure number, empty where there is none; `meaning`: one line for `jaxocean show`; `within`: the range in
-    words where a validator checks it; `bounds`: `ge`, `gt`, `le`, `lt`, `min_length`, `max_length` of pydantic.
+    words where a validator checks it; `bounds`: `ge`, `gt`, `le`, `lt`, `min_length`, `max_length`.
     """
     return Field(default, description=meaning, json_schema_extra={"unit": unit, "within": within}, **bounds)
 

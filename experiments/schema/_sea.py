@@ -40,9 +40,9 @@ class CascadeConfig(Section):
         (893.0, 101.0, 21.0, 11.0),
         unit="m",
         meaning="side of each pattern",
-        within="each > 0 and ≤ 1e7, 1 to 8 of them",
+        within="each > 0 and ≤ 1e7, 1 to 16 of them",
         min_length=1,
-        max_length=8,
+        max_length=16,
     )
     resolution: int = key(
         256, meaning="grid points per side of every pattern", within="even, 8 to 4096", ge=8, le=4096
@@ -68,9 +68,9 @@ class CascadeConfig(Section):
                 "bands", f"hold one band per pattern ({len(self.sizes)}), but holds {len(self.bands)}"
             )
         for lower, upper in self.bands:
-            if not 0 <= lower < upper:
+            if not 0 < lower < upper:
                 raise wrong(
-                    "bands", f"hold [lower, upper] with 0 <= lower < upper, but one is [{lower:g}, {upper:g}]"
+                    "bands", f"hold [lower, upper] with 0 < lower < upper, but one is [{lower:g}, {upper:g}]"
                 )
         for (_, upper), (lower, _) in itertools.pairwise(sorted(self.bands)):
             if not math.isclose(upper, lower, rel_tol=1e-9):

@@ -7,19 +7,25 @@ from pydantic import Field
 from ._base import Section, key
 
 
-class CosinePowerSpreading(Section):
-    """cos²ˢ with Mitsuyasu's exponent."""
+class CosineSpreading(Section):
+    """cos²ˢ(θ/2) with one exponent for all waves."""
 
-    law: Literal["cosine_power"] = key("cosine_power", meaning="directional spreading law")
-    s_max: float = key(
-        10.0, unit="-", meaning="exponent at the peak: 10 wind sea, 25-75 swell", gt=0, le=1000
-    )
+    law: Literal["cosine"] = key("cosine", meaning="directional spreading law")
+    s: float = key(10.0, unit="-", meaning="exponent: 0 isotropic, 10 wind sea, 75 long swell", ge=0, le=1e4)
+
+
+class MitsuyasuSpreading(Section):
+    """cos²ˢ(θ/2), narrowest at the peak."""
+
+    law: Literal["mitsuyasu"] = key("mitsuyasu", meaning="directional spreading law")
+    s_max: float = key(10.0, unit="-", meaning="exponent at the peak: 10 wind sea, 25-75 swell", ge=0, le=1e4)
 
 
 class HasselmannSpreading(Section):
     """Hasselmann et al. 1980."""
 
     law: Literal["hasselmann"] = key("hasselmann", meaning="directional spreading law")
+    inverse_wave_age: float = key(1.17, unit="-", meaning="U10/c_p", gt=0, le=10)
 
 
 class DonelanBannerSpreading(Section):
@@ -29,19 +35,23 @@ class DonelanBannerSpreading(Section):
 
 
 class ElfouhailySpreading(Section):
-    """1 + Δ cos 2φ of Elfouhaily et al. 1997."""
+    """1 + Δ cos 2θ of Elfouhaily et al. 1997."""
 
     law: Literal["elfouhaily"] = key("elfouhaily", meaning="directional spreading law")
 
 
-Spreading = Annotated[
-    CosinePowerSpreading | HasselmannSpreading | DonelanBannerSpreading | ElfouhailySpreading,
+SpreadingConfig = Annotated[
+    CosineSpreading
+    | MitsuyasuSpreading
+    | HasselmannSpreading
+    | DonelanBannerSpreading
+    | ElfouhailySpreading,
     Field(discriminator="law"),
 ]
 
 
 def _spreading():
-    return key(DonelanBannerSpreading(), meaning="how energy spreads over directions")
+    return key(MitsuyasuSpreading(), meaning="how energy spreads over directions")
 
 
 class ElfouhailyConfig(Section):
@@ -59,7 +69,7 @@ class PiersonMoskowitzConfig(Section):
     """Pierson-Moskowitz: a fully developed sea from the wind."""
 
     family: Literal["pierson_moskowitz"] = key("pierson_moskowitz", meaning="family of spectra")
-    spreading: Spreading = _spreading()
+    spreading: SpreadingConfig = _spreading()
     scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
 
 
@@ -74,7 +84,7 @@ class JonswapConfig(Section):
         None, unit="s", meaning="Tp; null: from the wind and wind.fetch", gt=0, le=60
     )
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
-    spreading: Spreading = _spreading()
+    spreading: SpreadingConfig = _spreading()
     scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
 
 
@@ -90,7 +100,7 @@ class TmaConfig(Section):
         None, unit="s", meaning="Tp; null: from the wind and wind.fetch", gt=0, le=60
     )
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
-    spreading: Spreading = _spreading()
+    spreading: SpreadingConfig = _spreading()
     scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
 
 
