@@ -4,9 +4,9 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..._types import Scalar, ScalarLike
+from ..._types import Scalar
 from ...wind import Wind
-from ._law import AbstractLaw
+from ._law import AbstractLaw, Constant
 
 
 class COARE36(AbstractLaw):
@@ -24,11 +24,11 @@ class COARE36(AbstractLaw):
     citation: ClassVar[str] = "COARE 3.6 bulk flux algorithm, after Edson et al. 2013, J. Phys. Oceanogr. 43"
     range: ClassVar[tuple[float, float]] = (0.0, 25.0)
 
-    coefficient: ScalarLike = 7.3e-4
-    exponent: ScalarLike = 1.43
-    onset: ScalarLike = 2.0
-    floor: ScalarLike = 1e-5
-    floor_speed: ScalarLike = 2.1
+    coefficient: Constant = 7.3e-4
+    exponent: Constant = 1.43
+    onset: Constant = 2.0
+    floor: Constant = 1e-5
+    floor_speed: Constant = 2.1
 
     def coverage(self, wind: Wind) -> Scalar:
         above = wind.speed >= self.floor_speed

@@ -4,9 +4,9 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..._types import Scalar, ScalarLike
+from ..._types import Scalar
 from ...wind import Wind
-from ._law import AbstractLaw
+from ._law import AbstractLaw, Constant
 
 
 class Callaghan2008(AbstractLaw):
@@ -24,10 +24,10 @@ class Callaghan2008(AbstractLaw):
     citation: ClassVar[str] = "Callaghan et al. 2008, Geophys. Res. Lett. 35, L23609"
     range: ClassVar[tuple[float, float]] = (3.70, 23.09)
 
-    low_coefficient: ScalarLike = 3.18e-5
-    low_onset: ScalarLike = 3.70
-    high_coefficient: ScalarLike = 4.82e-6
-    high_onset: ScalarLike = -1.98
+    low_coefficient: Constant = 3.18e-5
+    low_onset: Constant = 3.70
+    high_coefficient: Constant = 4.82e-6
+    high_onset: Constant = -1.98
 
     def coverage(self, wind: Wind) -> Scalar:
         low = self.low_coefficient * jnp.maximum(wind.speed - self.low_onset, 0.0) ** 3
@@ -49,8 +49,8 @@ class StramskaPetelski2003Undeveloped(AbstractLaw):
     citation: ClassVar[str] = "Stramska & Petelski 2003, J. Geophys. Res. 108(C3), 3086"
     range: ClassVar[tuple[float, float]] = (6.33, 18.0)
 
-    coefficient: ScalarLike = 8.75e-5
-    onset: ScalarLike = 6.33
+    coefficient: Constant = 8.75e-5
+    onset: Constant = 6.33
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * jnp.maximum(wind.speed - self.onset, 0.0) ** 3
@@ -70,8 +70,8 @@ class StramskaPetelski2003Developed(AbstractLaw):
     citation: ClassVar[str] = "Stramska & Petelski 2003, J. Geophys. Res. 108(C3), 3086"
     range: ClassVar[tuple[float, float]] = (4.47, 18.0)
 
-    coefficient: ScalarLike = 5.0e-5
-    onset: ScalarLike = 4.47
+    coefficient: Constant = 5.0e-5
+    onset: Constant = 4.47
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * jnp.maximum(wind.speed - self.onset, 0.0) ** 3

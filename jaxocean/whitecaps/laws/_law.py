@@ -2,16 +2,20 @@
 
 import abc
 import warnings
+from typing import TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from equinox import AbstractClassVar
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Float
 
 from ..._numerics import is_concrete
 from ..._types import Scalar
 from ...wind import Wind
+
+Constant: TypeAlias = float | int | Float[Array, ""]
+"""A constant of a law: a Python number, or an array where one differentiates in it."""
 
 
 class RangeWarning(UserWarning):

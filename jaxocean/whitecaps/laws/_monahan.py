@@ -5,9 +5,9 @@ from typing import ClassVar
 import jax.numpy as jnp
 
 from ..._constants import GRAVITY
-from ..._types import Scalar, ScalarLike
+from ..._types import Scalar
 from ...wind import Wind
-from ._law import AbstractLaw
+from ._law import AbstractLaw, Constant
 
 
 class Monahan1980(AbstractLaw):
@@ -23,8 +23,8 @@ class Monahan1980(AbstractLaw):
     citation: ClassVar[str] = "Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, 2094-2099"
     range: ClassVar[tuple[float, float]] = (0.0, 17.0)
 
-    coefficient: ScalarLike = 3.84e-6
-    exponent: ScalarLike = 3.41
+    coefficient: Constant = 3.84e-6
+    exponent: Constant = 3.41
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * wind.speed**self.exponent
@@ -42,8 +42,8 @@ class Monahan1980LeastSquares(AbstractLaw):
     citation: ClassVar[str] = "Monahan & O'Muircheartaigh 1980, J. Phys. Oceanogr. 10, 2094-2099"
     range: ClassVar[tuple[float, float]] = (0.0, 17.0)
 
-    coefficient: ScalarLike = 2.95e-6
-    exponent: ScalarLike = 3.52
+    coefficient: Constant = 2.95e-6
+    exponent: Constant = 3.52
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * wind.speed**self.exponent
@@ -63,9 +63,9 @@ class MonahanOMuircheartaigh1986(AbstractLaw):
     citation: ClassVar[str] = "Monahan & O'Muircheartaigh 1986, Int. J. Remote Sens. 7, 627-642"
     range: ClassVar[tuple[float, float]] = (0.0, 20.0)
 
-    coefficient: ScalarLike = 1.95e-5
-    exponent: ScalarLike = 2.55
-    stability: ScalarLike = 0.0861
+    coefficient: Constant = 1.95e-5
+    exponent: Constant = 2.55
+    stability: Constant = 0.0861
 
     def coverage(self, wind: Wind) -> Scalar:
         warmth = jnp.exp(self.stability * wind.sea_air_temperature_difference)
@@ -90,7 +90,7 @@ class MonahanLu1990StageB(AbstractLaw):
     citation: ClassVar[str] = "Monahan & Lu 1990, IEEE J. Oceanic Eng. 15, 340-349"
     range: ClassVar[tuple[float, float]] = (2.5, 20.0)
 
-    water_temperature: ScalarLike = 15.0
+    water_temperature: Constant = 15.0
 
     def coverage(self, wind: Wind) -> Scalar:
         return _decaying_foam(wind, self.water_temperature)
@@ -108,14 +108,14 @@ class MonahanLu1990StageA(AbstractLaw):
     citation: ClassVar[str] = "Monahan & Lu 1990, IEEE J. Oceanic Eng. 15, 340-349"
     range: ClassVar[tuple[float, float]] = (2.5, 20.0)
 
-    water_temperature: ScalarLike = 15.0
-    ratio: ScalarLike = 9.7
+    water_temperature: Constant = 15.0
+    ratio: Constant = 9.7
 
     def coverage(self, wind: Wind) -> Scalar:
         return _decaying_foam(wind, self.water_temperature) / self.ratio
 
 
-def _decaying_foam(wind: Wind, temperature: ScalarLike) -> Scalar:
+def _decaying_foam(wind: Wind, temperature: Constant) -> Scalar:
     viscosity = 0.018 - 4.72e-4 * temperature + 5.24e-6 * temperature**2  # cm²/s
     bracket = wind.speed * (GRAVITY * viscosity * 1e-4) ** (-1 / 3) - 75.9
     return (5.21e-4 * jnp.maximum(bracket, 0.0)) ** 3

@@ -2,9 +2,9 @@
 
 from typing import ClassVar
 
-from ..._types import Scalar, ScalarLike
+from ..._types import Scalar
 from ...wind import Wind
-from ._law import AbstractLaw
+from ._law import AbstractLaw, Constant
 
 
 class Salisbury2013(AbstractLaw):
@@ -21,8 +21,8 @@ class Salisbury2013(AbstractLaw):
     citation: ClassVar[str] = "Salisbury, Anguelova & Brooks 2013, J. Geophys. Res. Oceans 118, 6201-6222"
     range: ClassVar[tuple[float, float]] = (2.0, 20.0)
 
-    coefficient: ScalarLike = 3.97e-4
-    exponent: ScalarLike = 1.59
+    coefficient: Constant = 3.97e-4
+    exponent: Constant = 1.59
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * wind.speed**self.exponent
@@ -40,8 +40,8 @@ class GoddijnMurphy2011(AbstractLaw):
     citation: ClassVar[str] = "Goddijn-Murphy, Woolf & Callaghan 2011, J. Phys. Oceanogr. 41, 741-756"
     range: ClassVar[tuple[float, float]] = (3.70, 23.09)
 
-    coefficient: ScalarLike = 1.59e-5
-    exponent: ScalarLike = 2.7
+    coefficient: Constant = 1.59e-5
+    exponent: Constant = 2.7
 
     def coverage(self, wind: Wind) -> Scalar:
         return self.coefficient * wind.speed**self.exponent

@@ -5,9 +5,9 @@ from typing import ClassVar
 import jax.numpy as jnp
 
 from ..._constants import AIR_VISCOSITY, GRAVITY
-from ..._types import Scalar, ScalarLike
+from ..._types import Scalar
 from ...wind import Wind
-from ._law import AbstractLaw
+from ._law import AbstractLaw, Constant
 
 CALM = 1e-3  # m/s; below it the logarithm of the roughness has no finite slope, so u* is not asked for
 
@@ -29,10 +29,10 @@ class ZhaoToba2001(AbstractLaw):
     citation: ClassVar[str] = "Zhao & Toba 2001, J. Oceanogr. 57, 603-616"
     range: ClassVar[tuple[float, float]] = (3.0, 25.0)
 
-    inverse_wave_age: ScalarLike | None = None
-    coefficient: ScalarLike = 3.88e-7
-    exponent: ScalarLike = 1.09
-    air_viscosity: ScalarLike = AIR_VISCOSITY
+    inverse_wave_age: Constant | None = None
+    coefficient: Constant = 3.88e-7
+    exponent: Constant = 1.09
+    air_viscosity: Constant = AIR_VISCOSITY
 
     def coverage(self, wind: Wind) -> Scalar:
         blows = wind.speed > CALM
