@@ -24,4 +24,5 @@ from ._spectra import PhillipsConfig as PhillipsConfig
 from ._spectra import PiersonMoskowitzConfig as PiersonMoskowitzConfig
 from ._spectra import SpectrumConfig as SpectrumConfig
 from ._spectra import SpreadingConfig as SpreadingConfig
+from ._spectra import TessendorfConfig as TessendorfConfig
 from ._spectra import TmaConfig as TmaConfig

@@ -1,10 +1,10 @@
 """The section `spectrum`: one family of wave spectra, each with keys of its own."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ._base import Section, key
+from ._base import Section, key, wrong
 
 
 class CosineSpreading(Section):
@@ -41,17 +41,17 @@ class ElfouhailySpreading(Section):
 
 
 SpreadingConfig = Annotated[
-    CosineSpreading
-    | MitsuyasuSpreading
-    | HasselmannSpreading
-    | DonelanBannerSpreading
-    | ElfouhailySpreading,
+    CosineSpreading | MitsuyasuSpreading | HasselmannSpreading | DonelanBannerSpreading | ElfouhailySpreading,
     Field(discriminator="law"),
 ]
 
 
 def _spreading():
     return key(MitsuyasuSpreading(), meaning="how energy spreads over directions")
+
+
+def _scale():
+    return key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
 
 
 class ElfouhailyConfig(Section):
@@ -62,7 +62,7 @@ class ElfouhailyConfig(Section):
         None, unit="-", meaning="Ω = U10/c_p; null: from the wind's fetch, 0.84 without one", ge=0.5, le=10
     )
     half_plane: bool = key(False, meaning="only waves that travel downwind, energy unchanged")
-    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    scale: float = _scale()
 
 
 class PiersonMoskowitzConfig(Section):
@@ -70,7 +70,7 @@ class PiersonMoskowitzConfig(Section):
 
     family: Literal["pierson_moskowitz"] = key("pierson_moskowitz", meaning="family of spectra")
     spreading: SpreadingConfig = _spreading()
-    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    scale: float = _scale()
 
 
 class JonswapConfig(Section):
@@ -85,7 +85,16 @@ class JonswapConfig(Section):
     )
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
     spreading: SpreadingConfig = _spreading()
-    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    scale: float = _scale()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.significant_wave_height is None) != (self.peak_period is None):
+            given, absent = "significant_wave_height", "peak_period"
+            if self.significant_wave_height is None:
+                given, absent = absent, given
+            raise wrong(absent, f"be given together with `{given}` (or neither, with `wind.fetch`)")
+        return self
 
 
 class TmaConfig(Section):
@@ -93,29 +102,51 @@ class TmaConfig(Section):
 
     family: Literal["tma"] = key("tma", meaning="family of spectra")
     depth: float = key(20.0, unit="m", meaning="water depth", gt=0, le=12000)
-    significant_wave_height: float | None = key(
-        None, unit="m", meaning="Hs; null: from the wind and wind.fetch", gt=0, le=50
-    )
-    peak_period: float | None = key(
-        None, unit="s", meaning="Tp; null: from the wind and wind.fetch", gt=0, le=60
-    )
+    significant_wave_height: float = key(2.0, unit="m", meaning="Hs", gt=0, le=50)
+    peak_period: float = key(8.0, unit="s", meaning="Tp of the JONSWAP factor", gt=0, le=60)
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
     spreading: SpreadingConfig = _spreading()
-    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    scale: float = _scale()
 
 
 class PhillipsConfig(Section):
-    """Phillips as in Tessendorf's notes."""
+    """Phillips: saturated below the waves that the wind can raise."""
 
     family: Literal["phillips"] = key("phillips", meaning="family of spectra")
-    amplitude: float = key(6e-7, unit="-", meaning="A", gt=0, le=1)
-    small_wave_cutoff: float = key(
-        0.0, unit="m", meaning="waves much shorter than 2π times this are damped", ge=0, le=1e3
+    amplitude: float = key(
+        0.0081, unit="-", meaning="A of Ψ = A exp(-1/(kL)²)/k⁴ |cos|^exponent", gt=0, le=10
     )
-    scale: float = key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    exponent: float = key(
+        2.0, unit="-", meaning="of the cosine to the wind; larger is narrower", ge=0, le=100
+    )
+    smallest_wave: float = key(
+        0.0, unit="m", meaning="waves much shorter are damped; 0 keeps all", ge=0, le=1e3
+    )
+    opposing: float = key(1.0, unit="-", meaning="share that waves against the wind keep", ge=0, le=1)
+    scale: float = _scale()
+
+
+class TessendorfConfig(Section):
+    """Phillips with the amplitude of Tessendorf's program, whose sea depends on the size of its patch."""
+
+    family: Literal["tessendorf"] = key("tessendorf", meaning="family of spectra")
+    amplitude: float = key(
+        6e-7, unit="m^-2", meaning="A of Tessendorf's notes, per mode of his patch", gt=0, le=10
+    )
+    size: float = key(
+        1000.0, unit="m", meaning="side of the patch that the amplitude belongs to", gt=0, le=1e7
+    )
+    exponent: float = key(
+        2.0, unit="-", meaning="of the cosine to the wind; larger is narrower", ge=0, le=100
+    )
+    smallest_wave: float = key(
+        0.0, unit="m", meaning="waves much shorter are damped; 0 keeps all", ge=0, le=1e3
+    )
+    opposing: float = key(1.0, unit="-", meaning="share that waves against the wind keep", ge=0, le=1)
+    scale: float = _scale()
 
 
 SpectrumConfig = Annotated[
-    ElfouhailyConfig | PiersonMoskowitzConfig | JonswapConfig | TmaConfig | PhillipsConfig,
+    ElfouhailyConfig | PiersonMoskowitzConfig | JonswapConfig | TmaConfig | PhillipsConfig | TessendorfConfig,
     Field(discriminator="family"),
 ]
