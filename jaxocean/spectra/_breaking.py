@@ -6,7 +6,9 @@ from jaxtyping import Array, Float
 from .._types import ScalarLike
 
 
-def breaking_filter(wavenumber: Float[Array, "*k"], breaking_wavenumber: ScalarLike | None) -> Float[Array, "*k"]:
+def breaking_filter(
+    wavenumber: Float[Array, "*k"], breaking_wavenumber: ScalarLike | None
+) -> Float[Array, "*k"]:
     """The low-pass of the strain that decides about breaking.
 
     $$ G(k) = x²(3 − 2x), \\quad x = \\min(\\max(2(1 − k/k_b), 0), 1) $$

@@ -1,13 +1,15 @@
 """The dispersion relation of surface waves: gravity, surface tension, finite depth."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
-import optimistix as optx
 from jaxtyping import Array, Float
 
 from .._constants import GRAVITY, WATER_DENSITY, WATER_SURFACE_TENSION
 from .._numerics import as_leaf, check_scalar, optional_leaf, safe_sqrt
 from .._types import Scalar
+
+NEWTON_STEPS = 6
 
 
 class Dispersion(eqx.Module):
@@ -37,6 +39,11 @@ class Dispersion(eqx.Module):
         """Angular frequency ω(k) [rad/s] of wavenumber k ≥ 0 [rad/m]; 0 with finite derivatives at k = 0."""
         return safe_sqrt(self._frequency_squared(wavenumber))
 
+    def stiffening(self, wavenumber: Float[Array, "*k"]) -> Float[Array, "*k"]:
+        """ω²/(gk) [-]: what tension and depth make of a gravity wave in deep water; 1 without both."""
+        tension = 1 + self.surface_tension * wavenumber**2 / GRAVITY
+        return tension if self.depth is None else tension * jnp.tanh(wavenumber * self.depth)
+
     def group_speed(self, wavenumber: Float[Array, "*k"]) -> Float[Array, "*k"]:
         """Group speed dω/dk [m/s] at k > 0 [rad/m], in closed form."""
         k, gamma = wavenumber, self.surface_tension
@@ -52,29 +59,29 @@ class Dispersion(eqx.Module):
         return jnp.where(moves, slope / (2 * jnp.where(moves, omega, 1.0)), 0.0)
 
     def wavenumber(self, frequency: Float[Array, "*w"]) -> Float[Array, "*w"]:
-        """The wavenumber k [rad/m] of angular frequency ω ≥ 0 [rad/s]; differentiable."""
-        omega = as_leaf(frequency)
-        moves = omega > 0
-        w = jnp.where(moves, omega, 1.0)
+        """The wavenumber k [rad/m] of angular frequency ω ≥ 0 [rad/s]; differentiable, in the leaves too."""
+        moves = frequency > 0
+        w = jnp.where(moves, frequency, 1.0)
         deep = w**2 / GRAVITY
         if self.depth is None:
             start = deep
         else:
             # Guo's explicit fit, within 1 % at all depths, makes Newton's method safe.
-            x = self.depth * w / jnp.sqrt(GRAVITY * self.depth)
-            start = x**2 / self.depth * (1 - jnp.exp(-(x**2.4908))) ** -0.4015
-        with_tension = jnp.cbrt(w**2 / jnp.maximum(self.surface_tension, 1e-30))
-        start = jnp.minimum(start, with_tension)
+            x = w * jnp.sqrt(self.depth / GRAVITY)
+            start = x**2 / self.depth * (-jnp.expm1(-(x**2.4908))) ** -0.4015
+        start = jnp.minimum(start, jnp.cbrt(w**2 / jnp.maximum(self.surface_tension, 1e-30)))
+        start = jax.lax.stop_gradient(start)
 
-        # ω is monotone in k, so Newton's method in log k from this start converges in a few steps.
-        def residual(log_k, _):
-            return jnp.log(self._frequency_squared(jnp.exp(log_k))) - 2 * jnp.log(w)
+        # log ω is a smooth increasing function of log k with a slope between ½ and 3/2: Newton's method there
+        # needs a handful of steps. Each number is iterated on its own; only the last two steps are
+        # differentiated, which makes first and second derivatives exact.
+        def step(_, log_k):
+            k = jnp.exp(log_k)
+            omega = self.frequency(k)
+            return log_k - jnp.log(omega / w) * omega / (k * self.group_speed(k))
 
-        tolerance = 1e-6 if w.dtype == jnp.float32 else 1e-12
-        solution = optx.root_find(
-            residual, optx.Newton(rtol=tolerance, atol=tolerance), jnp.log(start), max_steps=64, throw=False
-        )
-        return jnp.where(moves, jnp.exp(solution.value), 0.0)
+        settled = jax.lax.stop_gradient(jax.lax.fori_loop(0, NEWTON_STEPS, step, jnp.log(start)))
+        return jnp.where(moves, jnp.exp(step(1, step(0, settled))), 0.0)
 
     def _frequency_squared(self, k: Float[Array, "*k"]) -> Float[Array, "*k"]:
         restoring = GRAVITY * k + self.surface_tension * k**3

@@ -8,7 +8,8 @@ from .._constants import CAPILLARY_PHASE_SPEED, CAPILLARY_WAVENUMBER, GRAVITY
 from .._numerics import check_scalar, optional_leaf
 from .._types import Scalar
 from ..wind import Wind
-from ._spectrum import AbstractSpectrum, Harmonics
+from ._spectrum import AbstractSpectrum, Harmonics, rotated_harmonics
+from .spreading import AbstractSpreading, ElfouhailySpreading, WavePeak, capillary_gravity_speed
 
 CALM = 1e-3  # m/s; below it the peak lies beyond any wavenumber and the spectrum underflows to 0
 FARTHEST = 30.0  # k_p/k beyond which exp(−1.25 (k_p/k)²) is 0; keeps 0·∞ out of the gradients
@@ -20,13 +21,15 @@ class Elfouhaily(AbstractSpectrum):
     $$ Ψ(k, φ) = (B_l + B_h)(1 + Δ(k) \\cos 2(φ − φ_w)) / (2π k⁴) $$
 
     with the long-wave curvature B_l = ½ α_p (c_p/c) L_PM γ^Γ exp(−Ω(√(k/k_p) − 1)/√10) and the short-wave
-    curvature B_h = ½ α_m (c_m/c) exp(−¼(k/k_m − 1)²) L_PM.
+    curvature B_h = ½ α_m (c_m/c) exp(−¼(k/k_m − 1)²) L_PM. Another `spreading` D takes the place of
+    (1 + Δ cos 2(φ − φ_w))/2π.
 
     **Arguments:**
 
     - `wind`: its speed, direction, fetch and drag law are leaves; the drag law sets u* in α_m and Δ.
-    - `inverse_wave_age`: Ω = U10/c_p [-], 0.84 (fully developed) to 5; if None it follows from the wind's fetch,
-      and is 0.84 without one.
+    - `inverse_wave_age`: Ω = U10/c_p [-], 0.84 (fully developed) to 5; if None it follows from the wind's
+      fetch, and is 0.84 without one.
+    - `spreading`: another directional spreading, or None for the model's own Δ(k).
     - `half_plane`: keep only waves that travel downwind (|φ − φ_w| < π/2), energy unchanged; static.
 
     **Raises:** `ValueError` if both a fetch and an inverse wave age are given, or Ω is not positive.
@@ -36,11 +39,14 @@ class Elfouhaily(AbstractSpectrum):
 
     wind: Wind
     inverse_wave_age: Scalar | None = eqx.field(converter=optional_leaf, default=None)
+    spreading: AbstractSpreading | None = eqx.field(default=None, kw_only=True)
     half_plane: bool = eqx.field(static=True, default=False, kw_only=True)
 
     def __check_init__(self) -> None:
         if self.wind.fetch is not None and self.inverse_wave_age is not None:
-            raise ValueError("Give exactly one of the wind's `fetch` and `inverse_wave_age`, but both are given.")
+            raise ValueError(
+                "Give exactly one of the wind's `fetch` and `inverse_wave_age`, but both are given."
+            )
         check_scalar("inverse_wave_age", self.inverse_wave_age, "", positive=True)
 
     def age(self) -> Scalar:
@@ -52,33 +58,36 @@ class Elfouhaily(AbstractSpectrum):
         return GRAVITY * (self.age() / jnp.maximum(self.wind.speed, CALM)) ** 2
 
     def density(self, wavenumber: Float[Array, "*k"], angle: Float[Array, "*k"]) -> Float[Array, "*k"]:
-        curvature, anisotropy = self._curvature(wavenumber)
         offset = angle - self.wind.direction
-        directional = 1 + anisotropy * jnp.cos(2 * offset)
+        spreading, wave = self._spreading(wavenumber)
+        directional = spreading.density(offset, wave)
         if self.half_plane:
+            folded = directional + spreading.density(offset + jnp.pi, wave)
             downwind = jnp.cos(offset)
-            # On the edge itself half of the energy of each of the two opposite waves remains.
+            # On the edge itself half of the energy of the two opposite waves stays with each.
             edge = jnp.abs(downwind) < 4 * jnp.finfo(offset.dtype).eps
-            directional = directional * jnp.where(edge, 1.0, jnp.where(downwind > 0, 2.0, 0.0))
-        return curvature * directional / (2 * jnp.pi * wavenumber**4)
+            directional = folded * jnp.where(edge, 0.5, jnp.where(downwind > 0, 1.0, 0.0))
+        return self._curvature(wavenumber) / wavenumber**4 * directional
 
     def harmonics(self, wavenumber: Float[Array, "*k"]) -> Harmonics:
         # Second moments do not see the half-plane option: they are even in k → −k.
-        curvature, anisotropy = self._curvature(wavenumber)
-        mean = curvature / wavenumber**3
-        second = 0.5 * anisotropy * mean
-        phi = 2 * self.wind.direction
-        none = jnp.zeros_like(mean)
-        return Harmonics(mean, second * jnp.cos(phi), second * jnp.sin(phi), none, none)
+        spreading, wave = self._spreading(wavenumber)
+        mean = self._curvature(wavenumber) / wavenumber**3
+        return rotated_harmonics(mean, *spreading.harmonics(wave), self.wind.direction)
 
-    def _curvature(self, k: Float[Array, "*k"]) -> tuple[Float[Array, "*k"], Float[Array, "*k"]]:
-        """Total curvature B_l + B_h [-] and the anisotropy Δ(k) [-]."""
+    def _spreading(self, k: Float[Array, "*k"]) -> tuple[AbstractSpreading, WavePeak]:
+        spreading = ElfouhailySpreading(self.wind) if self.spreading is None else self.spreading
+        peak_speed = jnp.maximum(self.wind.speed, CALM) / self.age()
+        frequency = k * capillary_gravity_speed(k)
+        return spreading, WavePeak(frequency * peak_speed / GRAVITY, k, peak_speed)
+
+    def _curvature(self, k: Float[Array, "*k"]) -> Float[Array, "*k"]:
+        """Total curvature B_l + B_h [-]."""
         blows = self.wind.speed > CALM
         u10 = jnp.where(blows, self.wind.speed, 1.0)
         omega = self.age()
         k_p = GRAVITY * (omega / u10) ** 2
-        # Gravity and capillarity both, whatever dispersion the animation uses.
-        c = jnp.sqrt(GRAVITY / k * (1 + (k / CAPILLARY_WAVENUMBER) ** 2))
+        c = capillary_gravity_speed(k)  # whatever dispersion the animation uses
         c_p = u10 / omega
         c_m, k_m = CAPILLARY_PHASE_SPEED, CAPILLARY_WAVENUMBER
         friction = self.wind.drag.friction_velocity(u10, omega)
@@ -95,10 +104,4 @@ class Elfouhaily(AbstractSpectrum):
         growth = jnp.log(friction / c_m)
         alpha_m = 0.01 * jnp.where(friction <= c_m, jnp.maximum(1 + growth, 0.0), 1 + 3 * growth)
         short_waves = 0.5 * alpha_m * c_m / c * jnp.exp(-0.25 * (k / k_m - 1) ** 2) * low_pass
-
-        anisotropy = jnp.tanh(
-            0.25 * jnp.log(2.0)
-            + 4 * jnp.minimum(c / c_p, 1e3) ** 2.5
-            + 0.13 * (friction / c_m) * (c_m / c) ** 2.5
-        )
-        return jnp.where(blows, long_waves + short_waves, 0.0), anisotropy
+        return jnp.where(blows, long_waves + short_waves, 0.0)

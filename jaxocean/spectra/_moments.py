@@ -46,7 +46,8 @@ def band_nodes(band: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     lower, upper = band
     if not 0 < lower < upper < float("inf"):
         raise ValueError(
-            f"Argument `band` must be (lower, upper) with 0 < lower < upper in rad/m, but is ({lower:g}, {upper:g})."
+            "Argument `band` must be (lower, upper) with 0 < lower < upper in rad/m, "
+            f"but is ({lower:g}, {upper:g})."
         )
     return logarithmic_nodes(lower, upper)
 

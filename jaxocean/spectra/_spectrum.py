@@ -12,7 +12,7 @@ from .._types import Scalar, ScalarLike
 
 
 class Harmonics(NamedTuple):
-    """Angular harmonics of a spectrum at wavenumbers k: ∫ Ψ(k, φ) k {1, cos 2φ, sin 2φ, cos 4φ, sin 4φ} dφ [m³].
+    """Angular harmonics of a spectrum: ∫ Ψ(k, φ) k {1, cos 2φ, sin 2φ, cos 4φ, sin 4φ} dφ [m³].
 
     They are all that the second moments of height, slope and strain need.
     """
@@ -22,6 +22,22 @@ class Harmonics(NamedTuple):
     sin2: Float[Array, "*k"]
     cos4: Float[Array, "*k"]
     sin4: Float[Array, "*k"]
+
+
+def rotated_harmonics(
+    mean: Float[Array, "*k"],
+    second: Float[Array, "*#k"],
+    fourth: Float[Array, "*#k"],
+    direction: Scalar,
+) -> Harmonics:
+    """Harmonics of a distribution symmetric about `direction` [rad], from those about its own axis."""
+    return Harmonics(
+        mean,
+        mean * second * jnp.cos(2 * direction),
+        mean * second * jnp.sin(2 * direction),
+        mean * fourth * jnp.cos(4 * direction),
+        mean * fourth * jnp.sin(4 * direction),
+    )
 
 
 class AbstractSpectrum(eqx.Module):
@@ -92,7 +108,10 @@ class ScaledSpectrum(AbstractSpectrum):
 def integrate_harmonics(
     spectrum: AbstractSpectrum, wavenumber: Float[Array, "*k"], *, directions: int = 128
 ) -> Harmonics:
-    """Harmonics of any spectrum by the trapezoidal rule over `directions` angles, which converges geometrically."""
+    """Harmonics of any spectrum by the trapezoidal rule over `directions` angles.
+
+    It converges geometrically where the spectrum is smooth in direction.
+    """
     angles, weight = periodic_nodes(directions)
     phi = jnp.asarray(angles, wavenumber.dtype)
     k = wavenumber[..., None]

@@ -21,8 +21,8 @@ class Wind(eqx.Module):
 
     - `speed`: U10 [m/s] at 10 m, at least 0.
     - `direction`: where it blows **towards** [rad], counter-clockwise from +x (east).
-    - `fetch`: the distance over which it has blown [m], or None (a fully developed sea unless a spectrum is told
-      its inverse wave age).
+    - `fetch`: the distance over which it has blown [m], or None (a fully developed sea unless a spectrum is
+      told its inverse wave age).
     - `sea_air_temperature_difference`: sea minus air, T_w − T_a [K]; positive is unstable.
     - `drag`: the law for the friction velocity.
 
@@ -47,7 +47,7 @@ class Wind(eqx.Module):
         speed: ScalarLike,
         *,
         from_degrees: ScalarLike,
-        height: float = 10.0,
+        height: float | int = 10.0,
         drag: AbstractDrag | None = None,
         fetch: ScalarLike | None = None,
         sea_air_temperature_difference: ScalarLike = 0.0,
@@ -57,12 +57,12 @@ class Wind(eqx.Module):
         The speed is brought to 10 m along the neutral logarithmic profile,
         U10 = U_z ln(10/z0)/ln(z/z0), z0 = 10 exp(−κ U10/u*), with u* of a fully developed sea.
 
-        **Arguments:** `speed` [m/s] at `height` [m]; `from_degrees`: where it comes **from**, clockwise from north.
+        **Arguments:** `speed` [m/s] at `height` [m]; `from_degrees`: where it comes **from** [degrees],
+        clockwise from north.
 
         **Returns:** a `Wind`.
         """
-        if not (math.isfinite(height) and height > 0.01):
-            raise ValueError(f"Argument `height` must be greater than 0.01 m, but is {height:g}.")
+        _check_height(height)
         law = ElfouhailyDrag() if drag is None else drag
         measured = as_leaf(speed)
         check_scalar("speed", measured, "m/s", minimum=0.0)
@@ -78,6 +78,14 @@ class Wind(eqx.Module):
         """u* [m/s] by the wind's drag law for the inverse wave age Ω [-]."""
         return self.drag.friction_velocity(self.speed, jnp.asarray(inverse_wave_age, self.speed.dtype))
 
+    def at_height(self, height: float | int) -> Scalar:
+        """The wind [m/s] at `height` [m] on the neutral logarithmic profile, U_z = U10 + (u*/κ) ln(z/10).
+
+        u* is that of a fully developed sea.
+        """
+        _check_height(height)
+        return self.speed + self.friction_velocity() / VON_KARMAN * math.log(height / 10.0)
+
     def inverse_wave_age(self) -> Scalar:
         """Ω [-] from the fetch, or 0.84 (fully developed) where no fetch is given."""
         if self.fetch is None:
@@ -85,7 +93,12 @@ class Wind(eqx.Module):
         return inverse_wave_age_from_fetch(self.speed, self.fetch)
 
 
-def _to_ten_metres(speed: Scalar, height: float, drag: AbstractDrag) -> Scalar:
+def _check_height(height: float | int) -> None:
+    if not (math.isfinite(height) and height > 0.01):
+        raise ValueError(f"Argument `height` must be greater than 0.01 m, but is {height:g} m.")
+
+
+def _to_ten_metres(speed: Scalar, height: float | int, drag: AbstractDrag) -> Scalar:
     """Fixed point of the neutral profile; it contracts by about ten per step, so twelve steps are exact."""
     if height == 10.0:
         return speed
@@ -116,7 +129,10 @@ def inverse_wave_age_from_fetch(speed: ScalarLike, fetch: ScalarLike) -> Scalar:
 
 
 def direction_from_meteorological(from_degrees: FloatLike) -> Scalar:
-    """The direction towards [rad, counter-clockwise from east] of what comes from `from_degrees` (clockwise from north)."""
+    """Where something is going [rad, counter-clockwise from east] that comes from `from_degrees`.
+
+    **Arguments:** `from_degrees`: degrees clockwise from north, as weather services have it.
+    """
     return jnp.mod(1.5 * math.pi - jnp.deg2rad(as_leaf(from_degrees)), 2.0 * math.pi)
 
 
