@@ -1,0 +1,9 @@
+"""The FFT sea: a random linear sea on a cascade of periodic patterns."""
+
+from ._cascade import Cascade as Cascade
+from ._cells import cell_energy as cell_energy
+from ._choppiness import pattern_choppiness as pattern_choppiness
+from ._fields import Fields as Fields
+from ._noise import draw_noise as draw_noise
+from ._realise import realise as realise
+from ._sea import Sea as Sea

@@ -1,0 +1,106 @@
+"""All fields of a sea at one time, from one batched inverse FFT."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float
+
+from ..._types import Scalar
+from ...spectra import breaking_filter
+from ._cascade import Cascade
+from ._cells import lattice_indices
+from ._complex import scale, turn
+
+
+class Fields(eqx.Module):
+    """Height, displacement, slope and strain of every pattern at the samples of its rest plane.
+
+    Indexed [pattern, y, x]. The transform leaves two real fields in each complex plane; the properties unpack
+    them, and under `jit` only what is used is unpacked.
+    """
+
+    packed: Complex[Array, "pattern plane y x"]
+
+    @property
+    def height(self) -> Float[Array, "pattern y x"]:
+        """Height η [m]."""
+        return self.packed[:, 0].real
+
+    @property
+    def displacement(self) -> Float[Array, "pattern y x 2"]:
+        """Horizontal displacement λ(u, v) [m]."""
+        return jnp.stack([self.packed[:, 0].imag, self.packed[:, 1].imag], axis=-1)
+
+    @property
+    def slope(self) -> Float[Array, "pattern y x 2"]:
+        """Slope (∂η/∂x, ∂η/∂y) [-] on the rest plane."""
+        return jnp.stack([self.packed[:, 2].imag, self.packed[:, 3].imag], axis=-1)
+
+    @property
+    def strain(self) -> Float[Array, "pattern y x 3"]:
+        """Strain (a, b, c) = λ(∂u/∂x, ∂v/∂y, ∂u/∂y) [-], low-passed at the breaking wavenumber if there is one."""
+        return jnp.stack([self.packed[:, 2].real, self.packed[:, 3].real, self.packed[:, 1].real], axis=-1)
+
+
+class Filters(eqx.Module):
+    """What turns the height spectrum ĥ into the spectra of the fields, each a real array over the waves.
+
+    With e^{+ik·x}: D̂ = +i (k/|k|) ĥ, slopes i k ĥ, strains −(kx², ky², kx ky)/|k| ĥ.
+    """
+
+    kx: Float[Array, "pattern y x"]
+    ky: Float[Array, "pattern y x"]
+    inverse: Float[Array, "pattern y x"]  # λ/|k|, 0 at k = 0
+    strain: Float[Array, "pattern y x"]  # the same times the low-pass
+
+    def apply(
+        self, names: tuple[str, ...], spectrum: Complex[Array, "pattern y x"]
+    ) -> Complex[Array, "pattern field y x"]:
+        """The spectra of the named real fields, one behind the other."""
+        kx, ky = self.kx, self.ky
+        odd = {"u": kx * self.inverse, "v": ky * self.inverse, "slope_x": kx, "slope_y": ky}
+        even = {
+            "height": jnp.ones_like(kx),
+            "a": -kx * kx * self.strain,
+            "b": -ky * ky * self.strain,
+            "c": -kx * ky * self.strain,
+        }
+        spectra = [scale(turn(spectrum), odd[n]) if n in odd else scale(spectrum, even[n]) for n in names]
+        return jnp.stack(spectra, axis=1)
+
+
+def wave_filters(
+    cascade: Cascade, choppiness: Float[Array, " pattern"], breaking_wavenumber: Scalar | None
+) -> Filters:
+    """The filters of a cascade for choppiness λ_i and a breaking wavenumber k_b [rad/m] or None."""
+    dtype = choppiness.dtype
+    width = jnp.asarray(2 * np.pi / np.asarray(cascade.sizes), dtype)[:, None, None]
+    index = jnp.asarray(lattice_indices(cascade.resolution), dtype)
+    shape = (cascade.count, cascade.resolution, cascade.resolution)
+    kx = jnp.broadcast_to(index * width, shape)
+    ky = jnp.broadcast_to(index[:, None] * width, shape)
+    square = kx**2 + ky**2
+    moves = square > 0
+    k = jnp.sqrt(jnp.where(moves, square, 1.0))
+    inverse = jnp.where(moves, 1 / k, 0.0) * choppiness[:, None, None]
+    strain = inverse if breaking_wavenumber is None else inverse * breaking_filter(k, breaking_wavenumber)
+    return Filters(kx, ky, inverse, strain)
+
+
+def transform(spectrum: Complex[Array, "pattern y x"], filters: Filters) -> Fields:
+    """Fields from the height spectrum ĥ(k, t), ordered as the FFT wants it.
+
+    An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real factor,
+    F̂ + iĜ is ĥ times a real number: pairs are (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
+    """
+    kx, ky, inverse, strain = filters.kx, filters.ky, filters.inverse, filters.strain
+    factors = jnp.stack(
+        [
+            1 - kx * inverse,
+            -kx * ky * strain - ky * inverse,
+            -kx * kx * strain - kx,
+            -ky * ky * strain - ky,
+        ],
+        axis=1,
+    )
+    return Fields(jnp.fft.ifft2(scale(spectrum[:, None], factors), norm="forward"))

@@ -1,0 +1,137 @@
+"""A random sea on a cascade of periodic patterns."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float, Int
+
+from ..._numerics import as_leaf, is_concrete
+from ..._types import PerPattern, Scalar, ScalarLike
+from ...spectra import AbstractSpectrum, Dispersion
+from .._protocol import AbstractSurface, Points
+from ._cascade import Cascade
+from ._choppiness import pattern_choppiness
+from ._complex import scale, turn
+from ._fields import Fields, transform, wave_filters
+from ._phase import Clock, phase, split_time
+from ._points import reduce_points, sum_waves
+from ._sincos import sincos_turns
+
+
+class Sea(AbstractSurface):
+    """A linear Gaussian sea, made by `realise`.
+
+    $$ η(x, t) = \\sum_k ĥ(k, t) e^{ik·x}, \\quad ĥ(k, t) = h_0(k) e^{−iωt} + h_0^*(−k) e^{+iωt} $$
+
+    $$ D̂ = +i (k/|k|) ĥ $$
+
+    so that a crest has j < 1. `fields` gives everything on the grids; `height`, `displacement`, `slope` and
+    `strain` the sum over all patterns at any points; `rest_point` and `height_at` answer for places on the
+    displaced surface.
+
+    **Leaves:** the amplitudes and frequencies follow from `spectrum`, `noise` and `dispersion` when the sea is
+    made: to change or to fit one of those, call `realise` again with it (differentiable).
+    """
+
+    cascade: Cascade = eqx.field(static=True)
+    spectrum: AbstractSpectrum
+    dispersion: Dispersion
+    noise: Complex[Array, "pattern y x"]
+    repeat_period: float | None = eqx.field(static=True)
+    cosine: Complex[Array, "pattern y x"]  # ĥ = cosine · cos ωt + sine · sin ωt
+    sine: Complex[Array, "pattern y x"]
+    rate: Float[Array, "pattern y x"]  # ω/2π [1/s]
+    ticks: Int[Array, "pattern y x"] | None  # the same in whole numbers, see `_phase`
+
+    @property
+    def amplitude(self) -> Complex[Array, "pattern y x"]:
+        """h0(k) [m], in the order of the FFT."""
+        return 0.5 * (self.cosine + turn(self.sine))
+
+    def fields(
+        self, time: ScalarLike, choppiness: PerPattern = 1.0, breaking_wavenumber: ScalarLike | None = None
+    ) -> Fields:
+        """Height, displacement, slope and strain of every pattern on its grid.
+
+        **Arguments:** `time` t [s]; `choppiness` λ [-], one number or one per pattern; `breaking_wavenumber` k_b
+        [rad/m]: low-pass of the strain (not of the slope), or None.
+
+        **Returns:** `Fields`, indexed [pattern, y, x]; displacement and strain include λ.
+
+        **Raises:** `ValueError` for more or fewer λ than patterns, or a time or k_b that makes no sense.
+        """
+        return _fields(self, *self._arguments(time, choppiness, breaking_wavenumber))
+
+    def height(self, p: Points, time: ScalarLike) -> Float[Array, "*b"]:
+        """Height η [m] over the rest points `p` (x, y) [m] at time t [s]."""
+        return self._query(("height",), p, time, 1.0, None)[..., 0]
+
+    def displacement(self, p: Points, time: ScalarLike, choppiness: PerPattern = 1.0) -> Float[Array, "*b 2"]:
+        """Horizontal displacement Σλ_i(u_i, v_i) [m] of the rest points `p` [m] at time t [s]."""
+        return self._query(("u", "v"), p, time, choppiness, None)
+
+    def slope(self, p: Points, time: ScalarLike) -> Float[Array, "*b 2"]:
+        """Slope (∂η/∂x, ∂η/∂y) [-] over the rest points `p` [m] at time t [s]."""
+        return self._query(("slope_x", "slope_y"), p, time, 1.0, None)
+
+    def strain(
+        self,
+        p: Points,
+        time: ScalarLike,
+        choppiness: PerPattern = 1.0,
+        breaking_wavenumber: ScalarLike | None = None,
+    ) -> Float[Array, "*b 3"]:
+        """Strain (a, b, c) [-] at the rest points `p` [m] at time t [s], low-passed at k_b [rad/m] if given."""
+        return self._query(("a", "b", "c"), p, time, choppiness, breaking_wavenumber)
+
+    def height_bound(self) -> Scalar:
+        """Σ 2|h0| [m]: |η| is never more, however the waves meet."""
+        return jnp.sum(2 * jnp.abs(self.amplitude))
+
+    def slope_bound(self) -> Scalar:
+        """Σ 2|k||h0| [-]: |∇η| is never more, however the waves meet."""
+        filters = wave_filters(self.cascade, jnp.ones(self.cascade.count, self.rate.dtype), None)
+        return jnp.sum(2 * jnp.hypot(filters.kx, filters.ky) * jnp.abs(self.amplitude))
+
+    def height_spectrum(self, clock: Clock) -> Complex[Array, "pattern y x"]:
+        """ĥ(k, t) [m] in the order of the FFT."""
+        sine, cosine = sincos_turns(phase(self.rate, self.ticks, clock))
+        return scale(self.cosine, cosine) + scale(self.sine, sine)
+
+    def _arguments(self, time: ScalarLike, choppiness: PerPattern, breaking_wavenumber: ScalarLike | None):
+        """Arguments as arrays of the sea's own type, checked."""
+        dtype = self.rate.dtype
+        clock = split_time(time, self.repeat_period, dtype)
+        if breaking_wavenumber is not None:
+            if is_concrete(breaking_wavenumber) and not np.all(np.asarray(breaking_wavenumber) > 0):
+                raise ValueError(
+                    f"Argument `breaking_wavenumber` must be greater than 0 rad/m, but is {breaking_wavenumber}."
+                )
+            breaking_wavenumber = as_leaf(breaking_wavenumber).astype(dtype)
+        return clock, pattern_choppiness(choppiness, self.cascade.count).astype(dtype), breaking_wavenumber
+
+    def _query(self, names, p, time, choppiness, breaking_wavenumber) -> Float[Array, "*b field"]:
+        places = reduce_points(p, self.cascade, self.rate.dtype)
+        return _query(self, names, places, *self._arguments(time, choppiness, breaking_wavenumber))
+
+
+@eqx.filter_jit
+def _fields(
+    sea: Sea, clock: Clock, choppiness: Float[Array, " n"], breaking_wavenumber: Scalar | None
+) -> Fields:
+    return transform(sea.height_spectrum(clock), wave_filters(sea.cascade, choppiness, breaking_wavenumber))
+
+
+@eqx.filter_jit
+def _query(
+    sea: Sea,
+    names: tuple[str, ...],
+    places: Float[Array, "n *b 2"],
+    clock: Clock,
+    choppiness: Float[Array, " n"],
+    breaking_wavenumber: Scalar | None,
+) -> Float[Array, "*b field"]:
+    filters = wave_filters(sea.cascade, choppiness, breaking_wavenumber)
+    spectra = filters.apply(names, sea.height_spectrum(clock))
+    return sum_waves(spectra, places, sea.cascade)
