@@ -15,8 +15,9 @@ Points = Float[Array, "*b 2"] | Float[np.ndarray, "*b 2"]
 class AbstractSurface(eqx.Module):
     """A moving surface over the rest plane: the point at rest at p is displaced to (p + D(p, t), η(p, t)).
 
-    All queries take points of any batch shape and are differentiable in the point, the time and every leaf. The
-    displacement and its gradient, the strain, are those of the surface that is seen: any choppiness is in them.
+    All queries take points of any batch shape and are differentiable in the point, the time and every leaf.
+    The displacement and its gradient, the strain, are those of the surface that is seen: any choppiness is
+    in them.
     """
 
     @abc.abstractmethod

@@ -1,5 +1,6 @@
 """The static geometry of an FFT sea: which pattern carries which waves."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,10 +17,10 @@ SLACK = 1e-9  # relative; two band edges this close are one edge
 class Cascade:
     """Periodic square patterns, each with its own band of wavenumbers.
 
-    Pattern i repeats every L_i metres and owns the waves of one annulus lo_i ≤ |k| < hi_i. The annuli are disjoint
-    and leave no gap. By default the largest pattern starts at π/L, where its first lattice cell ends, each pattern
-    carries waves up to its Nyquist wavenumber πN/L, and the next smaller one takes over there, in whatever order
-    the sizes are given.
+    Pattern i repeats every L_i metres and owns the waves of one annulus lo_i ≤ |k| < hi_i. The annuli are
+    disjoint and leave no gap. By default the largest pattern starts at π/L, where its first lattice cell
+    ends, each pattern carries waves up to its Nyquist wavenumber πN/L, and the next smaller one takes over
+    there, in whatever order the sizes are given.
 
     **Arguments:**
 
@@ -125,7 +126,8 @@ def _given_bands(
 ) -> tuple[tuple[float, float], ...]:
     if len(bands) != len(sizes):
         raise ValueError(
-            f"Argument `bands` must hold one (lower, upper) for each of the {len(sizes)} sizes, but holds {len(bands)}."
+            f"Argument `bands` must hold one (lower, upper) for each of the {len(sizes)} sizes, "
+            f"but holds {len(bands)}."
         )
     edges = []
     for band in bands:
@@ -145,7 +147,7 @@ def _given_bands(
 
 def _check_bands(bands: tuple[tuple[float, float], ...], sizes: tuple[float, ...], resolution: int) -> None:
     ordered = sorted(bands)
-    for (_, upper), (lower, _) in zip(ordered, ordered[1:], strict=False):
+    for (_, upper), (lower, _) in itertools.pairwise(ordered):
         if lower < upper * (1 - SLACK):
             raise ValueError(
                 "Argument `bands` must not overlap, "
@@ -160,7 +162,7 @@ def _check_bands(bands: tuple[tuple[float, float], ...], sizes: tuple[float, ...
         least, most = math.pi / size, math.pi * resolution / size
         if lower < least * (1 - SLACK) or upper > most * (1 + SLACK):
             raise ValueError(
-                f"The pattern of {size:g} m at resolution {resolution} must carry waves between its own limits "
-                f"{least:g} and {most:g} rad/m, but its band is ({lower:g}, {upper:g}): "
+                f"The pattern of {size:g} m at resolution {resolution} must carry waves between its own "
+                f"limits {least:g} and {most:g} rad/m, but its band is ({lower:g}, {upper:g}): "
                 "raise the resolution, add a size in between, or move the band."
             )

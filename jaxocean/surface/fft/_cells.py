@@ -18,7 +18,7 @@ GAUSS = 0.5 / np.sqrt(3.0)  # offsets of the two-point Gauss rule in a cell of w
 
 
 class FineCells(NamedTuple):
-    """Cells that an edge of the annulus cuts, and the lowest ones: where they lie and which wave gets their energy."""
+    """Cells that an edge of the annulus cuts, and the lowest ones: their place, and the wave they feed."""
 
     pattern: np.ndarray
     centre: np.ndarray
@@ -36,8 +36,9 @@ def cell_energy(spectrum: AbstractSpectrum, cascade: Cascade) -> Float[Array, "p
 
     $$ E_i(k) = \\int_{cell(k) ∩ annulus_i} Ψ \\, d²k $$
 
-    Integrating over the cell, instead of sampling Ψ in its middle, makes the sum equal to the variance of the sea in
-    the cascade's bands whatever N and L are, also where a narrow spectral peak falls between two waves.
+    Integrating over the cell, instead of sampling Ψ in its middle, makes the sum equal to the variance of
+    the sea in the cascade's bands whatever N and L are, also where a narrow spectral peak falls between two
+    waves.
 
     **Arguments:** `spectrum` Ψ [m⁴]; `cascade`.
 
@@ -77,12 +78,12 @@ def cell_energy(spectrum: AbstractSpectrum, cascade: Cascade) -> Float[Array, "p
 def _wedge_weight(
     wedge: np.ndarray, dy: Float[Array, " s"], dx: Float[Array, " s"]
 ) -> Float[Array, "cell s"]:
-    """1 in the whole cell, or in the quarter of it that looks along `wedge`; ½ on the line between two quarters."""
+    """1 in the whole cell, or in the quarter of it that looks along `wedge`; ½ between two quarters."""
     ny, nx = (jnp.asarray(wedge[:, axis, None], dy.dtype) for axis in (0, 1))
     along = ny * dy + nx * dx
     across = jnp.abs(nx * dy) + jnp.abs(ny * dx)
     quarter = jnp.where(along > across, 1.0, jnp.where(along == across, 0.5, 0.0))
-    whole = jnp.asarray(~wedge.any(axis=1)[:, None])
+    whole = jnp.asarray(~np.any(wedge, axis=1, keepdims=True))
     return jnp.where(whole, jnp.ones_like(quarter), quarter)
 
 
@@ -106,8 +107,8 @@ def _whole_cells(cascade: Cascade) -> jax.Array:
 def _fine_cells(cascade: Cascade) -> FineCells:
     """The cells that `_whole_cells` leaves out although a part of them lies in the annulus.
 
-    The half cells beyond the last wave before the Nyquist one go to that wave, and the corners of the cell at k = 0
-    to their neighbours on the axes: nothing of the annulus is lost.
+    The half cells beyond the last wave before the Nyquist one go to that wave, and the corners of the cell
+    at k = 0 to their neighbours on the axes: nothing of the annulus is lost.
     """
     half = cascade.resolution // 2
     index = np.arange(-half, half + 1)

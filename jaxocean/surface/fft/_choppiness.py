@@ -1,5 +1,7 @@
 """One choppiness for all patterns, or one for each."""
 
+from collections.abc import Sequence
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -13,7 +15,7 @@ def pattern_choppiness(choppiness: PerPattern, count: int) -> Float[Array, " pat
 
     **Raises:** `ValueError` unless there is one number, or one for each pattern, and all are finite.
     """
-    if isinstance(choppiness, (tuple, list)):
+    if isinstance(choppiness, Sequence):
         values = jnp.stack([as_leaf(value) for value in choppiness]) if choppiness else jnp.zeros(0)
     else:
         values = as_leaf(choppiness)

@@ -38,7 +38,7 @@ class Fields(eqx.Module):
 
     @property
     def strain(self) -> Float[Array, "pattern y x 3"]:
-        """Strain (a, b, c) = λ(∂u/∂x, ∂v/∂y, ∂u/∂y) [-], low-passed at the breaking wavenumber if there is one."""
+        """Strain (a, b, c) = λ(∂u/∂x, ∂v/∂y, ∂u/∂y) [-], low-passed at the breaking wavenumber."""
         return jnp.stack([self.packed[:, 2].real, self.packed[:, 3].real, self.packed[:, 1].real], axis=-1)
 
 
@@ -90,8 +90,8 @@ def wave_filters(
 def transform(spectrum: Complex[Array, "pattern y x"], filters: Filters) -> Fields:
     """Fields from the height spectrum ĥ(k, t), ordered as the FFT wants it.
 
-    An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real factor,
-    F̂ + iĜ is ĥ times a real number: pairs are (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
+    An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real
+    factor, F̂ + iĜ is ĥ times a real number: pairs are (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
     """
     kx, ky, inverse, strain = filters.kx, filters.ky, filters.inverse, filters.strain
     factors = jnp.stack(

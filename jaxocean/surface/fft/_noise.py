@@ -18,11 +18,12 @@ def draw_noise(cascade: Cascade, key: PRNGKeyArray | UInt32[Array, "2"]) -> Comp
 
     **Arguments:** `cascade`; `key`: from `jax.random.key`.
 
-    **Returns:** an array in the order of the FFT, of the default floating-point type; it can itself be fitted.
+    **Returns:** an array in the order of the FFT, of the default floating-point type; it can itself be
+    fitted.
     """
     count, n = cascade.count, cascade.resolution
-    # Waves are numbered ring by ring around k = 0, because the first numbers drawn from a key do not depend on how
-    # many follow.
+    # Waves are numbered ring by ring around k = 0, because the first numbers drawn from a key do not depend
+    # on how many follow.
     keys = jax.vmap(lambda i: jax.random.fold_in(key, i))(jnp.arange(count))
     rows = jax.vmap(lambda k: jax.random.normal(k, ((n + 1) ** 2, 2), jnp.float32))(keys)
     rows = rows.astype(jnp.result_type(float)) * np.sqrt(0.5)

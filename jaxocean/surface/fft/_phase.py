@@ -20,7 +20,8 @@ TURN = 2.0**32  # one turn in the units of whole-number phases, whose overflow i
 class Clock:
     """A time, split into whole beats and the rest.
 
-    In float32 the phase is `ticks · beats` modulo 2³² in whole numbers plus `rate · rest`: neither loses digits.
+    In float32 the phase is `ticks · beats` modulo 2³² in whole numbers plus `rate · rest`: neither loses
+    digits.
     """
 
     def __init__(self, beats: Int[Array, ""], rest: Scalar, seconds: Scalar) -> None:
@@ -43,7 +44,7 @@ def split_time(time: ScalarLike, repeat_period: float | None, dtype: jnp.dtype) 
             raise ValueError(f"Argument `time` must be finite, but is {seconds} s.")
         if repeat_period is not None:
             seconds = seconds % repeat_period
-            beats = int(round(seconds / repeat_period * TURN)) % int(TURN)
+            beats = round(seconds / repeat_period * TURN) % int(TURN)
             return Clock(_wrap(beats), jnp.zeros((), dtype), jnp.asarray(seconds, dtype))
         whole = round(seconds)
         return Clock(_wrap(whole), jnp.asarray(seconds - whole, dtype), jnp.asarray(seconds, dtype))
@@ -109,8 +110,8 @@ def _accurate_rate(
 ) -> tuple[Float[Array, "pattern y x"], Float[Array, "pattern y x"]]:
     """ω/2π = √(g m s / 2πL) as a sum of two float32, good to 2⁻³⁵ of its value where s = 1.
 
-    A frequency rounded to float32 is 0.2 rad off after a day. High parts hold 12 bits, so that products of two of
-    them are exact, whether or not the compiler contracts a product and a sum into one operation.
+    A frequency rounded to float32 is 0.2 rad off after a day. High parts hold 12 bits, so that products of
+    two of them are exact, whether or not the compiler contracts a product and a sum into one operation.
     """
     factor = GRAVITY / (2 * np.pi * np.asarray(cascade.sizes))
     factor_high = (factor.astype(np.float32).view(np.int32) & np.int32(-4096)).view(np.float32)

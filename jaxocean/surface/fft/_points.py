@@ -33,8 +33,8 @@ def sum_waves(
 ) -> Float[Array, "*b field"]:
     """Σ_i Σ_k f̂_i(k) exp(ik·p) for real fields f, over all patterns.
 
-    The sum is separable: one matrix product over ky, then one weighted sum over kx, of which the half kx ≥ 0 is
-    enough since the fields are real. Many points go in chunks, so that memory stays bounded.
+    The sum is separable: one matrix product over ky, then one weighted sum over kx, of which the half kx ≥
+    0 is enough since the fields are real. Many points go in chunks, so that memory stays bounded.
     """
     n, fields, resolution, _ = spectra.shape
     half = resolution // 2

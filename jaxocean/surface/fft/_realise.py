@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, PRNGKeyArray, UInt32
 
-from ..._numerics import is_concrete, leaf_dtype, safe_sqrt
+from ..._numerics import leaf_dtype, safe_sqrt
 from ...spectra import AbstractSpectrum, Dispersion
 from ._cascade import Cascade
 from ._cells import cell_energy
@@ -29,8 +29,8 @@ def realise(
 
     $$ h_0(k) = \\sqrt{E(k)/2}\\, ξ(k), \\quad E|ξ|² = 1 $$
 
-    with E(k) the spectrum's variance in the lattice cell of k: Var(η) = Σ E, whatever N and L are. Amplitudes are
-    Gaussian, not only the phases.
+    with E(k) the spectrum's variance in the lattice cell of k: Var(η) = Σ E, whatever N and L are.
+    Amplitudes are Gaussian, not only the phases.
 
     **Arguments:**
 
@@ -38,18 +38,20 @@ def realise(
     - `cascade`: sizes, bands, resolution.
     - `key` or `noise`: exactly one; the noise of `draw_noise`, kept as a leaf.
     - `dispersion`: how fast waves travel; deep water by default.
-    - `repeat_period`: T [s]; every frequency is rounded to a multiple of 2π/T, so that the sea repeats exactly.
+    - `repeat_period`: T [s]; every frequency is rounded to a multiple of 2π/T, so that the sea repeats
+      exactly.
 
     **Returns:** a `Sea`, differentiable in the spectrum, the noise and the dispersion.
 
-    **Raises:** `ValueError` unless exactly one of `key` and `noise` is given; for a noise of the wrong shape or a
-    repeat period that is not positive.
+    **Raises:** `ValueError` unless exactly one of `key` and `noise` is given; for a noise of the wrong
+    shape or a repeat period that is not positive.
     """
     if (key is None) == (noise is None):
         given = "neither is" if key is None else "both are"
         raise ValueError(f"Give exactly one of `key` and `noise`, but {given} given.")
-    if noise is None:
+    if key is not None:
         noise = draw_noise(cascade, key)
+    assert noise is not None
     shape = (cascade.count, cascade.resolution, cascade.resolution)
     if noise.shape != shape:
         raise ValueError(f"Argument `noise` must have the cascade's shape {shape}, but has {noise.shape}.")

@@ -1,7 +1,6 @@
 """A random sea on a cascade of periodic patterns."""
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
@@ -30,8 +29,8 @@ class Sea(AbstractSurface):
     `strain` the sum over all patterns at any points; `rest_point` and `height_at` answer for places on the
     displaced surface.
 
-    **Leaves:** the amplitudes and frequencies follow from `spectrum`, `noise` and `dispersion` when the sea is
-    made: to change or to fit one of those, call `realise` again with it (differentiable).
+    **Leaves:** the amplitudes and frequencies follow from `spectrum`, `noise` and `dispersion` when the sea
+    is made: to change or to fit one of those, call `realise` again with it (differentiable).
     """
 
     cascade: Cascade = eqx.field(static=True)
@@ -54,8 +53,8 @@ class Sea(AbstractSurface):
     ) -> Fields:
         """Height, displacement, slope and strain of every pattern on its grid.
 
-        **Arguments:** `time` t [s]; `choppiness` λ [-], one number or one per pattern; `breaking_wavenumber` k_b
-        [rad/m]: low-pass of the strain (not of the slope), or None.
+        **Arguments:** `time` t [s]; `choppiness` λ [-], one number or one per pattern;
+        `breaking_wavenumber` k_b [rad/m]: low-pass of the strain (not of the slope), or None.
 
         **Returns:** `Fields`, indexed [pattern, y, x]; displacement and strain include λ.
 

@@ -5,7 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-# Minimax polynomials in z = x² on |x| ≤ ½, by Remez exchange in float64: sin(πx)/x to 3.4e-9, cos(πx) to 4.7e-8.
+# Minimax polynomials in z = x² on |x| ≤ ½, by Remez exchange in float64: sin(πx)/x to 3.4e-9, cos(πx) to
+# 4.7e-8.
 SINE = (3.14159258, -5.1677069, 2.55003164, -0.59804645, 0.07722225)
 COSINE = (0.99999995, -4.93479286, 4.05841191, -1.33188016, 0.2196968)
 
@@ -14,8 +15,8 @@ COSINE = (0.99999995, -4.93479286, 4.05841191, -1.33188016, 0.2196968)
 def sincos_turns(x: Float[Array, "*s"]) -> tuple[Float[Array, "*s"], Float[Array, "*s"]]:
     """sin 2πx and cos 2πx for a phase x in turns, |x| ≤ ½.
 
-    In float32 both come from the half angle, sin 2πx = 2 sin πx cos πx and cos 2πx = 1 − 2 sin² πx, by polynomials
-    that vectorise; in float64 from the library. Derivatives are the exact ones, of any order.
+    In float32 both come from the half angle, sin 2πx = 2 sin πx cos πx and cos 2πx = 1 − 2 sin² πx, by
+    polynomials that vectorise; in float64 from the library. Derivatives are the exact ones, of any order.
     """
     if x.dtype != jnp.float32:
         return jnp.sin(2 * np.pi * x), jnp.cos(2 * np.pi * x)
