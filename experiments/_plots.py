@@ -6,6 +6,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -23,19 +24,19 @@ BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, BLACK = PALETTE = (
 )
 GREY = "#767676"
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "figure.dpi": 150,
     "savefig.dpi": 150,
     "figure.constrained_layout.use": True,
     "font.size": 10,
     "axes.titlesize": 11,
-    "axes.titleweight": "semibold",
+    "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.prop_cycle": plt.cycler(color=list(PALETTE)),
+    "axes.prop_cycle": cycler(color=list(PALETTE)),
     "grid.color": "#E3E3E3",
     "grid.linewidth": 0.7,
     "lines.linewidth": 1.8,
@@ -56,7 +57,7 @@ def figure(
     with plt.rc_context(STYLE):
         fig, axes = plt.subplots(rows, columns, figsize=size, **options)
         if title is not None:
-            fig.suptitle(title, fontsize=12, fontweight="semibold", x=0.01, ha="left")
+            fig.suptitle(title, fontsize=12, fontweight="bold", x=0.01, ha="left")
         yield fig, axes
 
 
@@ -73,7 +74,7 @@ def field_map(
     """A square map of `values[y, x]` with sides of `side` metres and a colour bar.
 
     **Arguments:** `label`: quantity and unit for the colour bar; `limits`: of the colours; `centre`: the
-    value in the middle of a diverging colour map, whose limits are then symmetric and hold 99.8 % of the values.
+    value in the middle of a diverging colour map, whose limits are then symmetric and hold 99.8 % of it.
     """
     field = np.asarray(values)
     if limits is None and centre is not None:
@@ -128,9 +129,11 @@ def directional(
         filled, ax=axes, shrink=0.8, pad=0.1, ticks=np.arange(np.ceil(top - decades), top + 0.01)
     )
     bar.set_label(label)
-    axes.set_rlabel_position(112.5)
+    axes.set_rlabel_position(90)
     axes.tick_params(labelsize=8)
-    axes.grid(color="#9A9A9A", linewidth=0.5)
+    axes.tick_params(axis="y", labelcolor="white")
+    axes.set_axisbelow(False)
+    axes.grid(color="white", linewidth=0.4, alpha=0.6)
 
 
 def normal_colours(slope: ArrayLike) -> np.ndarray:
@@ -144,3 +147,9 @@ def normal_colours(slope: ArrayLike) -> np.ndarray:
 def colours_for(count: int) -> Sequence[Any]:
     """Colours for `count` ordered lines, for example winds from weak to strong."""
     return [plt.get_cmap("viridis")(x) for x in np.linspace(0.05, 0.88, count)]
+
+
+def outline_below(axes: Axes, values: ArrayLike, level: float, side: float) -> None:
+    """Fill in black where `values[y, x]` are below `level`, on a map drawn by `field_map`."""
+    below = np.ma.masked_where(np.asarray(values) >= level, np.zeros(np.shape(values)))
+    axes.imshow(below, extent=(0, side, 0, side), cmap="gray", norm=Normalize(0, 1), interpolation="nearest")

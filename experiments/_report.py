@@ -24,6 +24,7 @@ def render(result: Result) -> str:
 
 def _table(table: Table) -> RichTable:
     rich = RichTable(title=Text(table.title, style="bold"), title_justify="left", box=SIMPLE_HEAD)
+    rich.min_width = len(table.title) + 2
     cells = table.cells()
     for position, column in enumerate(table.columns):
         numeric = all(not isinstance(row[position], str) for row in table.rows)

@@ -4,7 +4,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from ._base import ExperimentConfig, key
+from ._base import ExperimentConfig, Section, key
 from ._sea import (
     CascadeConfig,
     Choppiness,
@@ -17,6 +17,14 @@ from ._sea import (
 from ._spectra import ElfouhailyConfig, SpectrumConfig
 
 
+class MapConfig(Section):
+    """`map`: the squares of sea that are drawn."""
+
+    size: float = key(200.0, unit="m", meaning="side of the height map", gt=0, le=1e6)
+    close_up: float = key(20.0, unit="m", meaning="side of the normal and folding maps", gt=0, le=1e6)
+    resolution: int = key(256, meaning="points along each side", ge=16, le=1024)
+
+
 class SeaStateConfig(ExperimentConfig):
     """`spectrum`: show a sea state."""
 
@@ -27,6 +35,7 @@ class SeaStateConfig(ExperimentConfig):
     choppiness: Choppiness = choppiness_key()
     threshold: float = threshold_key()
     breaking_wavenumber: float | None = breaking_wavenumber_key()
+    map: MapConfig = key(MapConfig(), meaning="the squares of sea that are drawn")
     time: float = key(0.0, unit="s", meaning="time of the realisation", ge=0, le=1e9)
 
     @model_validator(mode="after")
