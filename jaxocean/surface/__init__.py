@@ -1,5 +1,6 @@
 """Moving surfaces: what every surface can be asked, and the random sea on a cascade of periodic patterns."""
 
+from ._inverse import RestPoint as RestPoint
 from ._protocol import AbstractSurface as AbstractSurface
 from .fft import Cascade as Cascade
 from .fft import Fields as Fields

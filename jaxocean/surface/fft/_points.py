@@ -28,26 +28,31 @@ def reduce_points(p: Points, cascade: Cascade, dtype: jnp.dtype) -> Float[Array,
     return jax.lax.rem(*jnp.broadcast_arrays(p[None], sizes)).astype(dtype)
 
 
-def sum_waves(
-    spectra: Complex[Array, "n field y x"], places: Float[Array, "n *b 2"], cascade: Cascade
-) -> Float[Array, "*b field"]:
-    """Σ_i Σ_k f̂_i(k) exp(ik·p) for real fields f, over all patterns.
+def wave_table(spectra: Complex[Array, "n field y x"]) -> Float[Array, "n rows columns"]:
+    """The spectra of real fields, laid out for one real matrix product by [cos, sin] of the phases along y.
 
-    The sum is separable: one matrix product over ky, then one weighted sum over kx, of which the half kx ≥
-    0 is enough since the fields are real. Many points go in chunks, so that memory stays bounded.
+    The half kx ≥ 0 is enough since the fields are real.
     """
     n, fields, resolution, _ = spectra.shape
     half = resolution // 2
-    weights = jnp.asarray(np.where(np.arange(half) > 0, 2.0, 1.0), places.dtype)
+    weights = jnp.asarray(np.where(np.arange(half) > 0, 2.0, 1.0), spectra.real.dtype)
     kept = jnp.moveaxis(scale(spectra[..., :half], weights), 1, 2).reshape(n, resolution, fields * half)
-    # Real products of [cos, sin] with the real and imaginary parts run as one matrix product.
-    table = jnp.concatenate(
-        [
-            jnp.concatenate([kept.real, kept.imag], axis=2),
-            jnp.concatenate([-kept.imag, kept.real], axis=2),
-        ],
-        axis=1,
-    )
+    cosine = jnp.concatenate([kept.real, kept.imag], axis=2)
+    sine = jnp.concatenate([-kept.imag, kept.real], axis=2)
+    return jnp.concatenate([cosine, sine], axis=1)
+
+
+def sum_waves(
+    table: Float[Array, "n rows columns"], places: Float[Array, "n *b 2"], cascade: Cascade
+) -> Float[Array, "*b field"]:
+    """Σ_i Σ_k f̂_i(k) exp(ik·p) for the real fields f in `table`, over all patterns.
+
+    The sum is separable: one matrix product over ky, then one weighted sum over kx. Many points go in
+    chunks, so that memory stays bounded.
+    """
+    n, resolution = table.shape[0], cascade.resolution
+    half = resolution // 2
+    fields = table.shape[2] // resolution
     index = jnp.asarray(lattice_indices(resolution), places.dtype)
     sizes = jnp.asarray(cascade.sizes, places.dtype)[:, None, None]
 
@@ -69,3 +74,26 @@ def sum_waves(
     padded = jnp.pad(points, ((0, 0), (0, chunks * CHUNK - count), (0, 0)))
     parts = jax.lax.map(evaluate, jnp.moveaxis(padded.reshape(n, chunks, CHUNK, 2), 1, 0))
     return parts.reshape(chunks * CHUNK, fields)[:count].reshape(*batch, fields)
+
+
+def interpolate_grids(
+    grids: Float[Array, "n y x field"], places: Float[Array, "n *b 2"], cascade: Cascade
+) -> Float[Array, "*b field"]:
+    """The same sum over patterns, bilinear between the samples of the grids."""
+    resolution = cascade.resolution
+    spacing = jnp.asarray(cascade.spacings, places.dtype).reshape((-1,) + (1,) * (places.ndim - 1))
+    cell = places / spacing
+    corner = jnp.floor(cell)
+    fraction = (cell - corner)[..., None]
+    low = corner.astype(jnp.int32) % resolution
+    high = (low + 1) % resolution
+    pattern = jnp.arange(cascade.count).reshape((-1,) + (1,) * (places.ndim - 2))
+
+    def at(iy, ix):
+        return grids[pattern, iy, ix]
+
+    (x0, y0), (x1, y1) = (low[..., 0], low[..., 1]), (high[..., 0], high[..., 1])
+    fx, fy = fraction[..., 0, :], fraction[..., 1, :]
+    below = at(y0, x0) * (1 - fx) + at(y0, x1) * fx
+    above = at(y1, x0) * (1 - fx) + at(y1, x1) * fx
+    return jnp.sum(below * (1 - fy) + above * fy, axis=0)

@@ -46,12 +46,12 @@ def realise(
     **Raises:** `ValueError` unless exactly one of `key` and `noise` is given; for a noise of the wrong
     shape or a repeat period that is not positive.
     """
-    if (key is None) == (noise is None):
-        given = "neither is" if key is None else "both are"
-        raise ValueError(f"Give exactly one of `key` and `noise`, but {given} given.")
-    if key is not None:
+    if noise is None:
+        if key is None:
+            raise ValueError("Give exactly one of `key` and `noise`, but neither is given.")
         noise = draw_noise(cascade, key)
-    assert noise is not None
+    elif key is not None:
+        raise ValueError("Give exactly one of `key` and `noise`, but both are given.")
     shape = (cascade.count, cascade.resolution, cascade.resolution)
     if noise.shape != shape:
         raise ValueError(f"Argument `noise` must have the cascade's shape {shape}, but has {noise.shape}.")

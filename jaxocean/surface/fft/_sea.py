@@ -1,20 +1,22 @@
 """A random sea on a cascade of periodic patterns."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
-from ..._numerics import as_leaf, is_concrete
+from ..._numerics import as_leaf, is_concrete, safe_sqrt
 from ..._types import PerPattern, Scalar, ScalarLike
 from ...spectra import AbstractSpectrum, Dispersion
+from .._inverse import RestPoint, Sample, highest_root, implicit_offset
 from .._protocol import AbstractSurface, Points
 from ._cascade import Cascade
 from ._choppiness import pattern_choppiness
 from ._complex import scale, turn
 from ._fields import Fields, transform, wave_filters
 from ._phase import Clock, phase, split_time
-from ._points import reduce_points, sum_waves
+from ._points import interpolate_grids, reduce_points, sum_waves, wave_table
 from ._sincos import sincos_turns
 
 
@@ -81,8 +83,35 @@ class Sea(AbstractSurface):
         choppiness: PerPattern = 1.0,
         breaking_wavenumber: ScalarLike | None = None,
     ) -> Float[Array, "*b 3"]:
-        """Strain (a, b, c) [-] at the rest points `p` [m] at time t [s], low-passed at k_b [rad/m] if given."""
+        """Strain (a, b, c) [-] at the rest points `p` [m] at time t [s], low-passed at k_b [rad/m]."""
         return self._query(("a", "b", "c"), p, time, choppiness, breaking_wavenumber)
+
+    def rest_point(self, x: Points, time: ScalarLike, choppiness: PerPattern = 1.0) -> RestPoint:
+        """The rest point p whose displaced place is now x: p + D(p, t) = x.
+
+        Where the sea folds (j < 0) there are several: of those that the search finds it is the one with the
+        highest surface. The derivative is that of this root, by the implicit function theorem; it grows as
+        1/j towards the edge of a fold. First derivatives only.
+
+        **Arguments:** `x` (x, y) [m]; `time` t [s]; `choppiness` λ [-], one number or one per pattern.
+
+        **Returns:** a `RestPoint` with the point, its offset p − x, what remains of |p + D(p) − x|, and
+        whether that is small enough: no place is given up, and none is silently wrong.
+        """
+        places = reduce_points(x, self.cascade, self.rate.dtype)
+        clock, lam, _ = self._arguments(time, choppiness, None)
+        offset, residual, tolerance, _ = _invert(self, places, clock, lam)
+        near = jnp.asarray(x)
+        return RestPoint(near + offset.astype(near.dtype), offset, residual, tolerance)
+
+    def height_at(self, x: Points, time: ScalarLike, choppiness: PerPattern = 1.0) -> Float[Array, "*b"]:
+        """Height [m] of the displaced surface over the fixed places `x` [m]; the highest, where it folds.
+
+        **Arguments** and the choice between several heights: as in `rest_point`.
+        """
+        places = reduce_points(x, self.cascade, self.rate.dtype)
+        clock, lam, _ = self._arguments(time, choppiness, None)
+        return _invert(self, places, clock, lam)[3]
 
     def height_bound(self) -> Scalar:
         """Σ 2|h0| [m]: |η| is never more, however the waves meet."""
@@ -132,5 +161,38 @@ def _query(
     breaking_wavenumber: Scalar | None,
 ) -> Float[Array, "*b field"]:
     filters = wave_filters(sea.cascade, choppiness, breaking_wavenumber)
-    spectra = filters.apply(names, sea.height_spectrum(clock))
-    return sum_waves(spectra, places, sea.cascade)
+    return sum_waves(wave_table(filters.apply(names, sea.height_spectrum(clock))), places, sea.cascade)
+
+
+@eqx.filter_jit
+def _invert(
+    sea: Sea, places: Float[Array, "n *b 2"], clock: Clock, choppiness: Float[Array, " n"]
+) -> tuple[Float[Array, "*b 2"], Float[Array, "*b"], Scalar, Float[Array, "*b"]]:
+    """Offsets to the rest points, residuals, the tolerance on these, and heights."""
+    filters = wave_filters(sea.cascade, choppiness, None)
+    spectrum = sea.height_spectrum(clock)
+    points = places.reshape(sea.cascade.count, -1, 2)
+
+    fixed, fixed_points = jax.lax.stop_gradient((transform(spectrum, filters), points))
+    grids = jnp.concatenate([fixed.displacement, fixed.strain, fixed.height[..., None]], axis=-1)
+    table = wave_table(filters.apply(("u", "v", "a", "b", "c", "height"), spectrum))
+    fixed_table = jax.lax.stop_gradient(table)
+
+    def unpack(values: Float[Array, "*s 6"]) -> Sample:
+        return Sample(values[..., :2], values[..., 2:5], values[..., 5])
+
+    def rough(offset: Float[Array, "s p 2"]) -> Sample:
+        return unpack(interpolate_grids(grids, fixed_points[:, None] + offset, sea.cascade))
+
+    def exact(offset: Float[Array, "s p 2"]) -> Sample:
+        return unpack(sum_waves(fixed_table, fixed_points[:, None] + offset, sea.cascade))
+
+    variance = jnp.sum(choppiness[:, None, None] ** 2 * jnp.abs(sea.cosine) ** 2)
+    scale = jax.lax.stop_gradient(safe_sqrt(variance))
+    root, residual = jax.lax.stop_gradient(highest_root(rough, exact, points.shape[1], scale))
+    tolerance = 1e-5 * scale if points.dtype == jnp.float32 else 1e-10 * scale
+
+    offset = implicit_offset(root, unpack(sum_waves(table, points + root, sea.cascade)))
+    height = sum_waves(table, points + offset, sea.cascade)[..., 5]
+    batch = places.shape[1:-1]
+    return offset.reshape(*batch, 2), residual.reshape(batch), tolerance, height.reshape(batch)
