@@ -3,7 +3,7 @@
 import io
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, Group
+from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
@@ -15,20 +15,20 @@ WIDTH = 110
 
 def render(result: Result) -> str:
     """The tables and notes of a result as plain text."""
-    parts: list[RichTable | Padding] = [_table(table) for table in result.tables]
-    parts += [Padding(Text(f"• {note}"), (0, 0, 0, 1)) for note in result.notes]
     buffer = io.StringIO()
-    Console(file=buffer, width=WIDTH, color_system=None).print(Group(*parts), highlight=False)
+    console = Console(file=buffer, width=WIDTH, color_system=None)
+    for table in result.tables:
+        console.print(Text(table.title), _table(table), highlight=False)
+    for note in result.notes:
+        console.print(Padding(Text(f"• {note}"), (0, 0, 0, 1)))
     return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines()) + "\n"
 
 
 def _table(table: Table) -> RichTable:
-    rich = RichTable(title=Text(table.title, style="bold"), title_justify="left", box=SIMPLE_HEAD)
-    rich.min_width = len(table.title) + 2
-    cells = table.cells()
+    rich = RichTable(box=SIMPLE_HEAD)
     for position, column in enumerate(table.columns):
         numeric = all(not isinstance(row[position], str) for row in table.rows)
         rich.add_column(Text(column), justify="right" if numeric else "left")
-    for row in cells:
+    for row in table.cells():
         rich.add_row(*(Text(text) for text in row))
     return rich

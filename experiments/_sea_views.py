@@ -14,7 +14,10 @@ def map_points(side: float, resolution: int) -> np.ndarray:
     return np.stack(np.meshgrid(along, along), axis=-1)
 
 
-def plot_spectrum(store: Files, curves: dict[str, np.ndarray], cascade: Cascade, state: SeaState) -> None:
+def plot_spectrum(
+    store: Files, curves: dict[str, np.ndarray], cascade: Cascade, wave_height: float, peak_period: float
+) -> None:
+    """`spectrum.png` (E(k) with the patterns, E(f)) and `directional.png`."""
     k, f = curves["wavenumber"], curves["frequency"]
     with _plots.figure(1, 2, size=(9.5, 3.9)) as (fig, (left, right)):
         left.loglog(k, curves["omnidirectional"], color=_plots.BLACK)
@@ -46,6 +49,7 @@ def plot_spectrum(store: Files, curves: dict[str, np.ndarray], cascade: Cascade,
 
 
 def plot_maps(store: Files, maps: dict[str, np.ndarray], config: schema.SeaStateConfig) -> None:
+    """`height.png`, `normal.png` and `folding.png`."""
     side, close = config.map.size, config.map.close_up
     with _plots.figure(size=(6.4, 5.2)) as (fig, axes):
         _plots.field_map(axes, maps["height"], side, label="height η (m)", centre=0.0)
