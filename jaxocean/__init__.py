@@ -1,5 +1,7 @@
 """A differentiable ocean: wind → spectrum → surface → whitecaps, and its gradient back."""
 
+from . import io as io
 from . import spectra as spectra
 from . import surface as surface
+from . import whitecaps as whitecaps
 from .wind import Wind as Wind

@@ -9,6 +9,7 @@ from ._frequency_view import peak_period as peak_period
 from ._jonswap import JONSWAP as JONSWAP
 from ._moments import BAND as BAND
 from ._moments import band_nodes as band_nodes
+from ._moments import band_quadrature as band_quadrature
 from ._moments import height_variance as height_variance
 from ._moments import mean_square_slope as mean_square_slope
 from ._moments import significant_wave_height as significant_wave_height
@@ -21,6 +22,11 @@ from ._spectrum import ScaledSpectrum as ScaledSpectrum
 from ._spectrum import SumSpectrum as SumSpectrum
 from ._spectrum import integrate_harmonics as integrate_harmonics
 from ._tma import TMA as TMA
+from .measured import AbstractTail as AbstractTail
+from .measured import ElfouhailyTail as ElfouhailyTail
+from .measured import MeasuredSpectrum as MeasuredSpectrum
+from .measured import NoTail as NoTail
+from .measured import PowerTail as PowerTail
 from .spreading import AbstractSpreading as AbstractSpreading
 from .spreading import Cosine2s as Cosine2s
 from .spreading import DonelanBanner as DonelanBanner

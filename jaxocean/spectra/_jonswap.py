@@ -82,10 +82,13 @@ class JONSWAP(AbstractFrequencySpectrum):
 
         **Raises:** `ValueError` if there is no fetch, or two.
         """
-        if (wind.fetch is None) == (fetch is None):
+        if fetch is not None and wind.fetch is None:
+            length = as_leaf(fetch)
+        elif fetch is None and wind.fetch is not None:
+            length = wind.fetch
+        else:
             given = "neither is" if fetch is None else "both are"
             raise ValueError(f"Give exactly one of `fetch` and the wind's own `fetch`, but {given} given.")
-        length = wind.fetch if fetch is None else as_leaf(fetch)
         check_scalar("fetch", length, "m", positive=True)
         blows = wind.speed > CALM
         speed = jnp.where(blows, wind.speed, CALM)

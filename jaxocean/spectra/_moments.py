@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from .._numerics import leaf_dtype, logarithmic_nodes, safe_sqrt
 from .._types import Scalar
@@ -30,10 +31,9 @@ def slope_variance(
     spectrum: AbstractSpectrum, *, band: tuple[float, float] = BAND
 ) -> tuple[Scalar, Scalar, Scalar]:
     """(Var ∂η/∂x, Var ∂η/∂y, their covariance) [-] of the waves with k in `band` [rad/m]."""
-    nodes, weights = band_nodes(band)
-    k = jnp.asarray(nodes, leaf_dtype(spectrum))
+    k, weights = band_quadrature(spectrum, band)
     h = spectrum.harmonics(k)
-    w = jnp.asarray(weights, k.dtype) * k**2
+    w = weights * k**2
     return (
         jnp.sum(w * 0.5 * (h.mean + h.cos2)),
         jnp.sum(w * 0.5 * (h.mean - h.cos2)),
@@ -52,7 +52,28 @@ def band_nodes(band: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     return logarithmic_nodes(lower, upper)
 
 
-def _moment(spectrum: AbstractSpectrum, band: tuple[float, float], *, power: int) -> Scalar:
+def band_quadrature(
+    spectrum: AbstractSpectrum, band: tuple[float, float]
+) -> tuple[Float[Array, " k"], Float[Array, " k"]]:
+    """Quadrature nodes and weights [rad/m] for one spectrum over a band, in the type of its leaves.
+
+    Panels end at the spectrum's `kinks`, so that a table is integrated as exactly as a smooth model.
+    """
     nodes, weights = band_nodes(band)
-    k = jnp.asarray(nodes, leaf_dtype(spectrum))
-    return jnp.sum(jnp.asarray(weights, k.dtype) * k**power * spectrum.harmonics(k).mean)
+    dtype = leaf_dtype(spectrum)
+    kinks = spectrum.kinks()
+    if kinks.size == 0:
+        return jnp.asarray(nodes, dtype), jnp.asarray(weights, dtype)
+    lower, upper = band
+    smooth = np.linspace(np.log(lower), np.log(upper), int(np.ceil(2 * np.log(upper / lower))) + 1)
+    edges = jnp.concatenate([jnp.asarray(smooth, dtype), jnp.log(jnp.clip(kinks, lower, upper))])
+    edges = jnp.sort(edges)[:, None]
+    x, w = (jnp.asarray(one, dtype) for one in np.polynomial.legendre.leggauss(10))
+    half = 0.5 * (edges[1:] - edges[:-1])
+    k = jnp.exp(0.5 * (edges[1:] + edges[:-1]) + half * x).ravel()
+    return k, (half * w).ravel() * k
+
+
+def _moment(spectrum: AbstractSpectrum, band: tuple[float, float], *, power: int) -> Scalar:
+    k, weights = band_quadrature(spectrum, band)
+    return jnp.sum(weights * k**power * spectrum.harmonics(k).mean)

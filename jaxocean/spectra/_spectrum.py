@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._numerics import as_leaf, check_scalar, periodic_nodes, safe_angle, safe_norm
+from .._numerics import as_leaf, check_scalar, leaf_dtype, periodic_nodes, safe_angle, safe_norm
 from .._types import Scalar, ScalarLike
 
 
@@ -54,6 +54,10 @@ class AbstractSpectrum(eqx.Module):
     def harmonics(self, wavenumber: Float[Array, "*k"]) -> Harmonics:
         """Angular harmonics [m³] at wavenumbers k > 0 [rad/m]."""
 
+    def kinks(self) -> Float[Array, " n"]:
+        """Wavenumbers [rad/m] where the spectrum jumps or bends, where a quadrature should split; often none."""
+        return jnp.zeros(0, leaf_dtype(self))
+
     def __call__(self, kx: Float[Array, "*k"], ky: Float[Array, "*k"]) -> Float[Array, "*k"]:
         """Ψ(kx, ky) [m⁴] at wave vectors [rad/m]; 0, with finite derivatives, at k = 0."""
         kx, ky = jnp.broadcast_arrays(as_leaf(kx), as_leaf(ky))
@@ -88,6 +92,9 @@ class SumSpectrum(AbstractSpectrum):
         pairs = zip(self.first.harmonics(wavenumber), self.second.harmonics(wavenumber), strict=True)
         return Harmonics(*(a + b for a, b in pairs))
 
+    def kinks(self) -> Float[Array, " n"]:
+        return jnp.concatenate([self.first.kinks(), self.second.kinks()])
+
 
 class ScaledSpectrum(AbstractSpectrum):
     """A spectrum with its variance multiplied by `factor` ≥ 0 (the heights by √factor)."""
@@ -103,6 +110,9 @@ class ScaledSpectrum(AbstractSpectrum):
 
     def harmonics(self, wavenumber: Float[Array, "*k"]) -> Harmonics:
         return Harmonics(*(self.factor * h for h in self.spectrum.harmonics(wavenumber)))
+
+    def kinks(self) -> Float[Array, " n"]:
+        return self.spectrum.kinks()
 
 
 def integrate_harmonics(
