@@ -1,0 +1,136 @@
+"""Bounds as bijections: a solver moves freely over the real line, its parameter never leaves its range."""
+
+import abc
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+EDGE = 1e-3
+"""A fitted value within this fraction of an interval (or of 1) from a bound counts as being at the bound."""
+
+
+class AbstractBounds(eqx.Module):
+    """A smooth one-to-one map from the real line to the range of a parameter."""
+
+    @abc.abstractmethod
+    def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        """The parameter from a point on the real line."""
+
+    @abc.abstractmethod
+    def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        """The point on the real line from a parameter inside the range."""
+
+    @abc.abstractmethod
+    def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
+        """Whether every number lies strictly inside the range."""
+
+    @abc.abstractmethod
+    def draw(self, normal: Float[Array, "*s"], start: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        """Another sensible starting value, from standard normal numbers and the first start."""
+
+    @abc.abstractmethod
+    def touched(self, value: float) -> float | None:
+        """The bound that a value lies at, or None."""
+
+    @abc.abstractmethod
+    def __str__(self) -> str:
+        """The range in words."""
+
+
+class Real(AbstractBounds):
+    """No bounds: x ↦ x."""
+
+    def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return free
+
+    def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return value
+
+    def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
+        return bool(np.all(np.isfinite(value)))
+
+    def draw(self, normal: Float[Array, "*s"], start: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return start + 0.5 * jnp.maximum(jnp.abs(start), 0.5) * normal
+
+    def touched(self, value: float) -> float | None:
+        return None
+
+    def __str__(self) -> str:
+        return "any real number"
+
+
+class Positive(AbstractBounds):
+    """Greater than a lower bound.
+
+    $$ v = v_{lower} + e^x $$
+
+    **Arguments:** `lower`, 0 by default, in the unit of the parameter.
+    """
+
+    lower: float | int = eqx.field(static=True, default=0.0)
+
+    def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return self.lower + jnp.exp(free)
+
+    def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return jnp.log(value - self.lower)
+
+    def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
+        return bool(np.all(np.isfinite(value) & (value > self.lower)))
+
+    def draw(self, normal: Float[Array, "*s"], start: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return self.lower + (start - self.lower) * jnp.exp(0.7 * normal)
+
+    def touched(self, value: float) -> float | None:
+        scale = abs(self.lower) if self.lower != 0 else 1e-6
+        return self.lower if value - self.lower < EDGE * scale else None
+
+    def __str__(self) -> str:
+        return f"greater than {self.lower:g}"
+
+
+class Interval(AbstractBounds):
+    """Between two bounds.
+
+    $$ v = v_{lower} + (v_{upper} − v_{lower})/(1 + e^{−x}) $$
+
+    **Arguments:** `lower` < `upper`, in the unit of the parameter.
+
+    **Raises:** `ValueError` if they are not finite and in order.
+    """
+
+    lower: float | int = eqx.field(static=True)
+    upper: float | int = eqx.field(static=True)
+
+    def __check_init__(self) -> None:
+        if not -np.inf < self.lower < self.upper < np.inf:
+            raise ValueError(
+                "Arguments `lower` and `upper` of an interval must be finite with lower < upper, "
+                f"but are {self.lower:g} and {self.upper:g}."
+            )
+
+    def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return self.lower + (self.upper - self.lower) * jax.nn.sigmoid(free)
+
+    def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return jnp.log(value - self.lower) - jnp.log(self.upper - value)
+
+    def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
+        return bool(np.all((value > self.lower) & (value < self.upper)))
+
+    def draw(self, normal: Float[Array, "*s"], start: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        # Φ of a standard normal number is uniform; the ends themselves are no starting points.
+        uniform = jnp.clip(jax.scipy.special.ndtr(normal), 0.02, 0.98)
+        return self.lower + (self.upper - self.lower) * uniform
+
+    def touched(self, value: float) -> float | None:
+        near = EDGE * (self.upper - self.lower)
+        if value - self.lower < near:
+            return self.lower
+        return self.upper if self.upper - value < near else None
+
+    def __str__(self) -> str:
+        return f"between {self.lower:g} and {self.upper:g}"

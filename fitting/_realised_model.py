@@ -1,0 +1,122 @@
+"""Whitecap coverage counted on random seas made by FFT, differentiable through a smooth indicator."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Complex, Float, PRNGKeyArray, PyTree, UInt32
+
+from jaxocean import Wind
+from jaxocean._numerics import as_leaf, check_scalar, optional_leaf
+from jaxocean._types import Scalar
+from jaxocean.surface import Cascade, draw_noise, realise
+from jaxocean.whitecaps import AbstractBreaking, SmoothBreaking, jacobian
+
+from ._model import AbstractPreparedModel
+from ._spectral_model import ElfouhailySea
+
+
+class RealisedModel(AbstractPreparedModel):
+    """Wind → spectrum → FFT seas → Jacobian → counted coverage.
+
+    The random numbers are drawn once: every wind, every threshold and every step of a solver sees the same
+    seas, so that coverage is a smooth function and noise does not drown its slope. The strains of the
+    patterns are added sample by sample: patterns are independent, so the pairs are as good as points
+    anywhere on the plane.
+
+    The projected area follows the sheets as `ExactClosure` does: E[j; j < ε] − 2E[j; j < −ε/3] for ε > 0 and
+    −E[j; j < ε] otherwise.
+
+    **Leaves:** `threshold` ε [-], `choppiness` λ [-], `breaking_wavenumber` k_b [rad/m] or None, those of
+    `spectrum` (see `SpectralModel`), `noise`, and the width of the indicator.
+
+    **Arguments:** besides these `cascade`; exactly one of `key` (with `seeds`, how many seas) and `noise`
+    (seed, pattern, y, x); `breaking`: the indicator, `SmoothBreaking(0.02)` by default; `projected`:
+    projected (True) or rest area.
+
+    **Raises:** `ValueError` unless exactly one of `key` and `noise` is given, or for leaves that make no
+    sense.
+    """
+
+    threshold: Scalar
+    choppiness: Float[Array, "..."]
+    spectrum: Callable
+    breaking_wavenumber: Scalar | None
+    breaking: AbstractBreaking
+    noise: Complex[Array, "seed pattern y x"]
+    strain: Float[Array, "seed pattern y x 3"] | None
+    cascade: Cascade = eqx.field(static=True)
+    projected: bool = eqx.field(static=True)
+
+    def __init__(
+        self,
+        threshold: float | Scalar = 0.5,
+        choppiness: float | Float[Array, "..."] = 1.0,
+        *,
+        cascade: Cascade,
+        spectrum: Callable | None = None,
+        key: PRNGKeyArray | UInt32[Array, "2"] | None = None,
+        noise: Complex[Array, "seed pattern y x"] | None = None,
+        seeds: int = 8,
+        breaking_wavenumber: float | Scalar | None = None,
+        breaking: AbstractBreaking | None = None,
+        projected: bool = True,
+    ) -> None:
+        if seeds < 1:
+            raise ValueError(f"Argument `seeds` must be at least 1, but is {seeds}.")
+        if key is not None and noise is None:
+            noise = jax.vmap(lambda k: draw_noise(cascade, k))(jax.random.split(key, seeds))
+        elif key is not None or noise is None:
+            given = "neither is" if key is None else "both are"
+            raise ValueError(f"Give exactly one of `key` and `noise`, but {given} given.")
+        self.threshold = as_leaf(threshold)
+        self.choppiness = as_leaf(jnp.asarray(choppiness))
+        self.spectrum = ElfouhailySea() if spectrum is None else spectrum
+        self.breaking_wavenumber = optional_leaf(breaking_wavenumber)
+        self.breaking = SmoothBreaking() if breaking is None else breaking
+        self.noise = (
+            noise if key is None else jax.vmap(lambda k: draw_noise(cascade, k))(jax.random.split(key, seeds))
+        )
+        self.strain = None
+        self.cascade = cascade
+        self.projected = projected
+        check_scalar("threshold", self.threshold, "")
+        check_scalar("breaking_wavenumber", self.breaking_wavenumber, "rad/m", positive=True)
+
+    def coverage(self, wind: Wind) -> Scalar:
+        """W [-], the mean over all seas."""
+        return jnp.mean(self.coverages(wind))
+
+    def log_coverage(self, wind: Wind) -> Scalar:
+        """log W; −∞ where no sample breaks."""
+        w = self.coverage(wind)
+        breaks = w > 0
+        return jnp.where(breaks, jnp.log(jnp.where(breaks, w, 1.0)), -jnp.inf)
+
+    def coverages(self, wind: Wind) -> Float[Array, " seed"]:
+        """W [-] of each sea: their spread is the error of the mean."""
+        strain = self.prepare(wind) if self.strain is None else self.strain
+        weight = jnp.broadcast_to(self.choppiness, (self.cascade.count,))
+        j = jacobian(jnp.einsum("i,siyxc->syxc", weight, strain))
+        if not self.projected:
+            return jnp.mean(self.breaking(j, self.threshold), axis=(-2, -1))
+        foam = jnp.mean(j * self.breaking(j, self.threshold), axis=(-2, -1))
+        buried = jnp.mean(j * self.breaking(j, -jnp.abs(self.threshold) / 3), axis=(-2, -1))
+        return jnp.where(self.threshold > 0, foam - 2 * buried, -foam)
+
+    def prepare(self, wind: Wind) -> Float[Array, "seed pattern y x 3"]:
+        """Strain of every sea at choppiness 1."""
+        spectrum = self.spectrum(wind)
+
+        def strain(noise: Complex[Array, "pattern y x"]) -> Float[Array, "pattern y x 3"]:
+            sea = realise(spectrum, self.cascade, noise=noise)
+            return sea.fields(0.0, 1.0, self.breaking_wavenumber).strain
+
+        return jax.lax.map(strain, self.noise)
+
+    def prepared(self, state: Float[Array, "seed pattern y x 3"]) -> "RealisedModel":
+        return eqx.tree_at(lambda m: m.strain, self, state, is_leaf=lambda x: x is None)
+
+    def preparation_leaves(self) -> PyTree:
+        return self.spectrum, self.breaking_wavenumber, self.noise
