@@ -1,5 +1,6 @@
 """The command line: `jaxocean run | list | show`. Nothing here imports JAX until something runs."""
 
+import logging
 import signal
 import sys
 from typing import Annotated, Any
@@ -64,6 +65,8 @@ def run(
     found = None if force else find_finished(loaded)
     finished = found
     if finished is None:
+        # Libraries that set up logging make JAX chat about accelerators that are not there.
+        logging.getLogger("jax").setLevel(logging.WARNING)
         keep_compiled_programs()
         with bars(Console(stderr=True)) as progress:
             finished = execute(loaded, progress)

@@ -80,10 +80,13 @@ def _collect_warnings() -> list[str]:
 
 
 def _is_ours(error: Exception) -> bool:
-    """Whether a room raised this on purpose: a ValueError from our own code, or an error of fitting's own."""
+    """Whether a room raised this on purpose: a ValueError from our own code, or an error of fitting's own.
+
+    A plain ImportError is one too: it names the extra to install (a bug raises ModuleNotFoundError).
+    """
     if type(error).__module__.partition(".")[0] == "fitting":
         return True
-    if not isinstance(error, ValueError):
+    if not (isinstance(error, ValueError) or type(error) is ImportError):
         return False
     last = list(traceback.walk_tb(error.__traceback__))[-1][0]
     return str(last.f_globals.get("__name__", "")).partition(".")[0] in ROOMS

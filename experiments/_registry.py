@@ -38,6 +38,12 @@ EXPERIMENTS = (
         schema.SeaStateConfig,
         "experiments.spectrum",
     ),
+    Experiment(
+        "measured_sea",
+        "whitecap coverage predicted from measured directional spectra, per record",
+        schema.MeasuredSeaConfig,
+        "experiments.measured_sea",
+    ),
 )
 
 

@@ -28,7 +28,7 @@ def _table(table: Table) -> RichTable:
     rich = RichTable(box=SIMPLE_HEAD)
     for position, column in enumerate(table.columns):
         numeric = all(not isinstance(row[position], str) for row in table.rows)
-        rich.add_column(Text(column), justify="right" if numeric else "left")
+        rich.add_column(Text(column), justify="right" if numeric else "left", no_wrap=not numeric)
     for row in table.cells():
         rich.add_row(*(Text(text) for text in row))
     return rich

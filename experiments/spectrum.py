@@ -65,12 +65,14 @@ def _describe(spectrum, cascade, relation, choppiness, threshold, breaking_waven
     stats = jo.whitecaps.strain_statistics(
         spectrum, choppiness, cascade=cascade, breaking_wavenumber=breaking_wavenumber
     )
+    patterns = stats.patterns
+    assert patterns is not None  # statistics of a cascade have them
     bands = (BAND, *cascade.bands)
     period = jo.spectra.peak_period(spectrum, relation)
     return SeaState(
         wave_height=jnp.stack([jo.spectra.significant_wave_height(spectrum, band=band) for band in bands]),
         slope=jnp.stack([jnp.stack(jo.spectra.slope_variance(spectrum, band=band)) for band in bands]),
-        jacobian_variance=jnp.append(stats.jacobian_variance(), stats.patterns.jacobian_variance()),
+        jacobian_variance=jnp.append(stats.jacobian_variance(), patterns.jacobian_variance()),
         peak_period=period,
         peak_wavenumber=relation.wavenumber(2 * jnp.pi / period),
         coverage=jnp.stack([closure(stats, threshold) for _, closure in CLOSURES]),

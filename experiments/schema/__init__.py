@@ -4,6 +4,11 @@ from ._base import ExperimentConfig as ExperimentConfig
 from ._base import Section as Section
 from ._base import key as key
 from ._base import wrong as wrong
+from ._experiments import ElfouhailyTailConfig as ElfouhailyTailConfig
+from ._experiments import MapConfig as MapConfig
+from ._experiments import MeasuredSeaConfig as MeasuredSeaConfig
+from ._experiments import NoTailConfig as NoTailConfig
+from ._experiments import PowerTailConfig as PowerTailConfig
 from ._experiments import SeaStateConfig as SeaStateConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER
 from ._sea import CascadeConfig as CascadeConfig

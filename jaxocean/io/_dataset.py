@@ -37,7 +37,7 @@ def spectrum_from_dataset(
     - `tail`: what follows above the cut-off, `PowerTail()` by default; kept in the result.
     - `dispersion`: the depth where it was measured; by default the dataset's `dpt` [m] of this record where
       it has one, else deep water.
-    - `cut_off`: frequencies above it [Hz] are dropped; by default those above the highest one with energy in
+    - `cut_off`: frequencies above it [Hz] are dropped, and always those above the highest one with energy in
       any record of the dataset (buoys pad with zeros).
     - `negative`: what to do with negative cells, `ClipAndRenormalise()` by default.
 
@@ -52,11 +52,9 @@ def spectrum_from_dataset(
     frequency = _frequencies(one)
     degrees = _directions(one)
     table = np.asarray(one.transpose("freq", "dir").values, np.float64)
-    rows = frequency > 0
+    rows = (frequency > 0) & (frequency <= _highest_with_energy(efth, frequency))
     if cut_off is not None:
         rows &= frequency <= cut_off
-    else:
-        rows &= frequency <= _highest_with_energy(efth, frequency)
     order = np.argsort(frequency)
     order = order[rows[order]]
     if order.size < 2:
