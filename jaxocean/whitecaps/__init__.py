@@ -1,0 +1,14 @@
+"""Whitecaps: the Jacobian, statistics of the strain, closures and empirical laws."""
+
+from . import laws as laws
+from ._closures import AbstractClosure as AbstractClosure
+from ._closures import ExactClosure as ExactClosure
+from ._closures import GaussianClosure as GaussianClosure
+from ._closures import PublishedClosure as PublishedClosure
+from ._jacobian import AbstractBreaking as AbstractBreaking
+from ._jacobian import HardBreaking as HardBreaking
+from ._jacobian import SmoothBreaking as SmoothBreaking
+from ._jacobian import jacobian as jacobian
+from ._statistics import StrainStatistics as StrainStatistics
+from ._statistics import strain_covariance as strain_covariance
+from ._statistics import strain_statistics as strain_statistics
