@@ -12,8 +12,12 @@ EDGE = 1e-3
 """A fitted value within this fraction of an interval (or of 1) from a bound counts as being at the bound."""
 
 
+INSIDE = 1 - 1e-7
+"""How much of an interval can be reached: its ends themselves may be singular (a sea of choppiness 0)."""
+
+
 class AbstractBounds(eqx.Module):
-    """A smooth one-to-one map from the real line to the range of a parameter."""
+    """A smooth map from the real line onto the range of a parameter, and its inverse."""
 
     @abc.abstractmethod
     def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
@@ -95,7 +99,10 @@ class Positive(AbstractBounds):
 class Interval(AbstractBounds):
     """Between two bounds.
 
-    $$ v = v_{lower} + (v_{upper} − v_{lower})/(1 + e^{−x}) $$
+    $$ v = ½(v_{upper} + v_{lower}) + ½(v_{upper} − v_{lower}) \\sin x $$
+
+    One to one for |x| ≤ π/2 and reflected beyond, so that a solver that is drawn to a bound arrives there: on
+    a logistic curve it would crawl for ever.
 
     **Arguments:** `lower` < `upper`, in the unit of the parameter.
 
@@ -113,10 +120,11 @@ class Interval(AbstractBounds):
             )
 
     def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
-        return self.lower + (self.upper - self.lower) * jax.nn.sigmoid(free)
+        return 0.5 * (self.upper + self.lower) + 0.5 * INSIDE * (self.upper - self.lower) * jnp.sin(free)
 
     def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
-        return jnp.log(value - self.lower) - jnp.log(self.upper - value)
+        part = (2 * value - self.upper - self.lower) / (INSIDE * (self.upper - self.lower))
+        return jnp.arcsin(jnp.clip(part, -1.0, 1.0))
 
     def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
         return bool(np.all((value > self.lower) & (value < self.upper)))

@@ -12,11 +12,11 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxocean import Wind
-from jaxocean._numerics import as_leaf, is_concrete
+from jaxocean._numerics import is_concrete
 from jaxocean._types import Scalar
 from jaxocean.whitecaps.laws import AbstractLaw, RangeWarning
 
-from ._target import AbstractScatter, AbstractTarget, as_scatter, as_winds
+from ._target import AbstractScatter, AbstractTarget, as_row, as_scatter, as_winds
 
 SCATTER = 0.5
 """Default scatter in log10 W: observed coverage varies by about a factor of ten at one wind speed."""
@@ -116,7 +116,7 @@ class CoveragePoints(AbstractTarget):
     """
 
     winds: Wind = eqx.field(converter=as_winds)
-    coverage: Float[Array, " n"] = eqx.field(converter=lambda w: as_leaf(np.asarray(w) if _is_row(w) else w))
+    coverage: Float[Array, " n"] = eqx.field(converter=as_row)
     scatter: AbstractScatter = eqx.field(converter=as_scatter, default=SCATTER)
     label: str = eqx.field(static=True, default="measured coverage")
 
@@ -190,10 +190,6 @@ class CoveragePoints(AbstractTarget):
 
     def notes(self) -> tuple[str, ...]:
         return ()
-
-
-def _is_row(value: Any) -> bool:
-    return isinstance(value, (list, tuple))
 
 
 def _list(speeds: np.ndarray) -> str:

@@ -11,9 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PyTree
 
-from jaxocean._numerics import is_concrete
+from jaxocean._numerics import is_concrete, safe_sqrt
 
-from ._bounds import Positive
+from ._bounds import Interval
 from ._model import AbstractPreparedModel
 from ._parameters import Parameter, Slot, attach_priors, locate, resolve
 from ._priors import AbstractPrior
@@ -21,6 +21,9 @@ from ._target import AbstractTarget, FreeScatter
 
 LEAST_SCATTER = 1e-3
 """A fitted scatter stays above this fraction of its start: a model through all points would send it to 0."""
+
+MOST_SCATTER = 100.0
+"""And below this multiple."""
 
 
 class Predictions(NamedTuple):
@@ -100,9 +103,9 @@ class Problem(eqx.Module):
         rows = [self.data_residuals(predictions), self.prior_residuals(values)]
         for slot, part in zip(self.slots, self.split_values(values), strict=True):
             if slot.is_scatter:
-                assert isinstance(slot.bounds, Positive)
+                assert isinstance(slot.bounds, Interval)
                 n = self.scatter_size(slot)
-                rows.append(jnp.sqrt(2 * n * jnp.log(part / slot.bounds.lower)).ravel())
+                rows.append(safe_sqrt(2 * n * jnp.log(part / slot.bounds.lower)).ravel())
         return jnp.concatenate(rows)
 
     @property
@@ -196,7 +199,7 @@ def _scatter_slots(model: PyTree, targets: tuple[AbstractTarget, ...], names: li
             start = target.scatter.value
             start = 1.0 if not is_concrete(start) else float(start)
             name = "scatter" if len(targets) == 1 else f"scatter of {names[t]}"
-            bounds = Positive(LEAST_SCATTER * start)
+            bounds = Interval(LEAST_SCATTER * start, MOST_SCATTER * start)
             slots.append(Slot(name, target.unit, index, (), bounds, per_wind=False, is_scatter=True))
     return slots
 

@@ -75,9 +75,7 @@ class RealisedModel(AbstractPreparedModel):
         self.spectrum = ElfouhailySea() if spectrum is None else spectrum
         self.breaking_wavenumber = optional_leaf(breaking_wavenumber)
         self.breaking = SmoothBreaking() if breaking is None else breaking
-        self.noise = (
-            noise if key is None else jax.vmap(lambda k: draw_noise(cascade, k))(jax.random.split(key, seeds))
-        )
+        self.noise = noise
         self.strain = None
         self.cascade = cascade
         self.projected = projected

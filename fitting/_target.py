@@ -45,9 +45,14 @@ class FreeScatter(AbstractScatter):
         check_scalar("value", self.value, "", positive=True)
 
 
+def as_row(numbers: Any) -> Float[Array, "..."]:
+    """A number, an array or a list of numbers as a floating-point array."""
+    return as_leaf(np.asarray(numbers, float) if isinstance(numbers, (list, tuple, range)) else numbers)
+
+
 def as_scatter(scatter: Any) -> AbstractScatter:
     """A number or an array of numbers as a known scatter."""
-    return scatter if isinstance(scatter, AbstractScatter) else KnownScatter(scatter)
+    return scatter if isinstance(scatter, AbstractScatter) else KnownScatter(as_row(scatter))
 
 
 def check_deviations(name: str, value: Float[Array, "..."]) -> None:
@@ -72,13 +77,13 @@ def as_winds(winds: Any) -> Wind:
     elif isinstance(winds, (list, tuple)) and winds and all(isinstance(one, Wind) for one in winds):
         batched = jax.tree.map(lambda *leaves: jnp.stack(leaves), *winds)
     else:
-        speeds = jnp.atleast_1d(
-            as_leaf(np.asarray(winds) if isinstance(winds, (list, tuple, range)) else winds)
-        )
-        batched = eqx.filter_vmap(Wind)(speeds) if speeds.size else Wind(speeds)
+        speeds = jnp.atleast_1d(as_row(winds))
+        if speeds.ndim != 1 or speeds.size == 0:
+            raise ValueError(
+                f"Argument `winds` must be a row of at least one wind, but has shape {speeds.shape}."
+            )
+        batched = eqx.filter_vmap(Wind)(speeds)
     speed = batched.speed
-    if speed.ndim != 1 or speed.size == 0:
-        raise ValueError(f"Argument `winds` must be a row of at least one wind, but has shape {speed.shape}.")
     if is_concrete(speed) and not np.all(np.isfinite(speed) & (np.asarray(speed) >= 0)):
         raise ValueError("Argument `winds` must hold finite speeds of at least 0 m/s.")
     return batched
