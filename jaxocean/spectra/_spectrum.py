@@ -55,7 +55,7 @@ class AbstractSpectrum(eqx.Module):
         """Angular harmonics [m³] at wavenumbers k > 0 [rad/m]."""
 
     def kinks(self) -> Float[Array, " n"]:
-        """Wavenumbers [rad/m] where the spectrum jumps or bends, where a quadrature should split; often none."""
+        """Wavenumbers [rad/m] where the spectrum jumps or bends and a quadrature should split; often none."""
         return jnp.zeros(0, leaf_dtype(self))
 
     def __call__(self, kx: Float[Array, "*k"], ky: Float[Array, "*k"]) -> Float[Array, "*k"]:

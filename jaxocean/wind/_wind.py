@@ -4,6 +4,7 @@ import math
 
 import equinox as eqx
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._constants import GRAVITY, KNOT, VON_KARMAN
 from .._numerics import as_leaf, check_scalar, optional_leaf
@@ -128,7 +129,7 @@ def inverse_wave_age_from_fetch(speed: ScalarLike, fetch: ScalarLike) -> Scalar:
     return jnp.where(blows, omega, FULLY_DEVELOPED)
 
 
-def direction_from_meteorological(from_degrees: FloatLike) -> Scalar:
+def direction_from_meteorological(from_degrees: FloatLike) -> Float[Array, "..."]:
     """Where something is going [rad, counter-clockwise from east] that comes from `from_degrees`.
 
     **Arguments:** `from_degrees`: degrees clockwise from north, as weather services have it.
@@ -136,6 +137,6 @@ def direction_from_meteorological(from_degrees: FloatLike) -> Scalar:
     return jnp.mod(1.5 * math.pi - jnp.deg2rad(as_leaf(from_degrees)), 2.0 * math.pi)
 
 
-def knots(speed: FloatLike) -> Scalar:
+def knots(speed: FloatLike) -> Float[Array, "..."]:
     """A speed in knots [kn] as m/s."""
     return as_leaf(speed) * KNOT

@@ -79,8 +79,8 @@ class MeasuredSpectrum(AbstractSpectrum):
         columns = self.energy.shape[1]
         knots, table = self._table()
         place = jnp.mod((angle - self.first_direction) * (columns / (2 * jnp.pi)), columns)
-        left = jnp.clip(jnp.floor(place).astype(int), 0, columns - 1)
-        part = place - left
+        whole = jnp.clip(jnp.floor(place), 0, columns - 1)  # rounding may lift `place` to the full circle
+        left, part = whole.astype(int), place - whole
         row, upper, scale, share = self._row(knots, wavenumber)
         right = (left + 1) % columns
         below = (1 - part) * table[row, left] + part * table[row, right]
