@@ -9,6 +9,7 @@ import numpy as np
 from . import _plots, schema
 from ._files import Files, variable
 
+
 class SeaView(NamedTuple):
     """What is shown of one file: numbers along its records, and the coverage [-] predicted for each."""
 

@@ -123,8 +123,8 @@ def directional(
     top = float(np.log10(e.max()))
     levels = np.linspace(top - decades, top, 4 * int(decades) + 1)
     shown = np.log10(np.maximum(e, 10 ** (top - decades - 1)))
-    filled = axes.contourf(phi, f, shown, levels=levels, cmap="viridis", extend="min")
-    filled.cmap.set_under("white")
+    colours = plt.get_cmap("viridis").with_extremes(under="white")
+    filled = axes.contourf(phi, f, shown, levels=levels, cmap=colours, extend="min")
     bar = axes.figure.colorbar(
         filled, ax=axes, shrink=0.8, pad=0.1, ticks=np.arange(np.ceil(top - decades), top + 0.01)
     )

@@ -24,7 +24,7 @@ from ._progress import Reporter
 from ._result import Result, Table
 
 NEGATIVE = {"renormalise": io.ClipAndRenormalise, "maximum_entropy": io.MaximumEntropy, "clip": io.Clip}
-FREQUENCIES = np.geomspace(0.03, 3.0, 200).astype(np.float32)
+FREQUENCIES = np.geomspace(0.03, 3.0, 200)
 
 MADE_FETCH = 200e3
 """Fetch [m] of the sea that is made where there are no measured ones, if the config's wind has none."""
@@ -146,10 +146,7 @@ def _close(stats: jo.whitecaps.StrainStatistics, threshold: float):
 def _names(files: tuple[Path, ...]) -> list[str]:
     """A name for each file's results: its stem, numbered where two are alike."""
     stems = [path.stem for path in files]
-    return [
-        f"{stem}_{i + 1}" if stems.count(stem) > 1 else stem
-        for i, stem in enumerate(stems)
-    ]
+    return [f"{stem}_{i + 1}" if stems.count(stem) > 1 else stem for i, stem in enumerate(stems)]
 
 
 def _records(dataset: Any, most: int) -> Iterator[dict[str, int]]:

@@ -82,10 +82,10 @@ def _describe(spectrum, cascade, relation, choppiness, threshold, breaking_waven
 def _curves(spectrum, relation, state: SeaState) -> dict[str, np.ndarray]:
     """Ψ, E(k) and E(f), sampled for plots and files."""
     k_peak, f_peak = float(state.peak_wavenumber), 1 / float(state.peak_period)
-    wavenumber = np.geomspace(min(k_peak / 10, BAND[1] / 10), BAND[1], WAVENUMBERS).astype(np.float32)
-    frequency = np.linspace(f_peak / 4, 4 * f_peak, WAVENUMBERS).astype(np.float32)
-    near_peak = np.linspace(k_peak / 5, 5 * k_peak, 120).astype(np.float32)
-    angle = (np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS).astype(np.float32)
+    wavenumber = np.geomspace(min(k_peak / 10, BAND[1] / 10), BAND[1], WAVENUMBERS)
+    frequency = np.linspace(f_peak / 4, 4 * f_peak, WAVENUMBERS)
+    near_peak = np.linspace(k_peak / 5, 5 * k_peak, 120)
+    angle = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
     k, phi = np.meshgrid(near_peak, angle, indexing="ij")
     density = eqx.filter_jit(lambda s, k, phi: s.density(k, phi))
     omnidirectional = eqx.filter_jit(lambda s, k: s.harmonics(k).mean)

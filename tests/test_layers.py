@@ -70,7 +70,7 @@ def imports_of(source: str, module: str, *, package: bool) -> list[tuple[str, bo
     later = {
         inner
         for outer in ast.walk(tree)
-        if isinstance(outer, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+        if isinstance(outer, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) or _for_types_only(outer)
         for inner in ast.walk(outer)
     }
     found = []
@@ -86,6 +86,10 @@ def imports_of(source: str, module: str, *, package: bool) -> list[tuple[str, bo
                 start = node.module or ""
             found += [(f"{start}.{alias.name}", node not in later) for alias in node.names]
     return found
+
+
+def _for_types_only(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
 def imports_of_file(path: Path) -> list[tuple[str, bool]]:

@@ -58,7 +58,7 @@ class AbstractSpectrum(eqx.Module):
         """Wavenumbers [rad/m] where the spectrum jumps or bends and a quadrature should split; often none."""
         return jnp.zeros(0, leaf_dtype(self))
 
-    def __call__(self, kx: Float[Array, "*k"], ky: Float[Array, "*k"]) -> Float[Array, "*k"]:
+    def __call__(self, kx: Float[Array, "*#k"], ky: Float[Array, "*#k"]) -> Float[Array, "..."]:
         """Ψ(kx, ky) [m⁴] at wave vectors [rad/m]; 0, with finite derivatives, at k = 0."""
         kx, ky = jnp.broadcast_arrays(as_leaf(kx), as_leaf(ky))
         k = safe_norm(kx, ky)
