@@ -40,19 +40,23 @@ def test_light_commands_import_nothing_heavy_and_take_less_than_a_second(tmp_pat
         "except SystemExit as end:\n    assert not end.code, end.code\n"
         f"print('HEAVY', [name for name in {HEAVY!r} if name in sys.modules])\n"
     )
-    start = time.perf_counter()
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(PROJECT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    took = time.perf_counter() - start
-    assert done.returncode == 0, done.stderr
-    assert "HEAVY []" in done.stdout
-    assert took < 1.0 * float(os.environ.get("JAXOCEAN_SLOWER", "1")), f"{command} took {took:.2f} s"
+    took = []
+    for _ in range(3):  # the best of three: the machine may be busy with something else
+        start = time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", program],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(PROJECT)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        took.append(time.perf_counter() - start)
+        assert done.returncode == 0, done.stderr
+        assert "HEAVY []" in done.stdout
+        if took[-1] < 1.0:
+            break
+    assert min(took) < 1.0, f"{command} took {min(took):.2f} s"
 
 
 def test_version_is_that_of_the_project(tmp_path):
