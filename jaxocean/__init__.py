@@ -4,4 +4,5 @@ from . import io as io
 from . import spectra as spectra
 from . import surface as surface
 from . import whitecaps as whitecaps
+from .ocean import Ocean as Ocean
 from .wind import Wind as Wind

@@ -9,6 +9,7 @@ from ._jacobian import AbstractBreaking as AbstractBreaking
 from ._jacobian import HardBreaking as HardBreaking
 from ._jacobian import SmoothBreaking as SmoothBreaking
 from ._jacobian import jacobian as jacobian
+from ._realised import realised_coverage as realised_coverage
 from ._statistics import StrainStatistics as StrainStatistics
 from ._statistics import strain_covariance as strain_covariance
 from ._statistics import strain_statistics as strain_statistics

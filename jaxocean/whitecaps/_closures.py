@@ -48,6 +48,8 @@ class ExactClosure(AbstractClosure):
     surface folds its crest (j < 0) lies on top and hides the flanks below. Counting with the sign of j removes what
     is hidden as long as the flanks are foam throughout; where a fold is deeper than that (min j < −ε/3 for the
     generic fold x = X³ − qX) the second term restores the crest. Both are continuous at ε = 0.
+    Against the projection of fine displaced meshes this is within 1 % for ordinary seas, 3 % at λ = 3.5 and ε = 0.4,
+    and up to a quarter too high where the foam is little more than deep folds (λ = 3.5, ε ≤ 0.1).
 
     **Arguments:** `measure`: "projected" (default: laws, photographs and pixels) or "rest" (Dupuy & Bruneton eq. 5).
 

@@ -96,7 +96,11 @@ def strain_statistics(
     if (band is None) == (cascade is None):
         given = "neither is" if band is None else "both are"
         raise ValueError(f"Give exactly one of `band` and `cascade`, but {given} given.")
-    bands = (band,) if cascade is None else cascade.bands
+    if cascade is not None:
+        bands = cascade.bands
+    else:
+        assert band is not None
+        bands = (band,)
     dtype = leaf_dtype(spectrum)
     lam = pattern_choppiness(choppiness, len(bands)).astype(dtype)
     limit = None if breaking_wavenumber is None else as_leaf(breaking_wavenumber).astype(dtype)

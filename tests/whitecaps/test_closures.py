@@ -137,7 +137,7 @@ def conditional_quadrature(sea: StrainStatistics, level: float, *, weight) -> fl
     """E[g(j); j < x] by conditioning on (d, c) = ((a − b)/2, c), nested adaptive rules (SPEC: the other exact form)."""
     mean, c = np.asarray(sea.mean), np.asarray(sea.covariance)
     turn = np.array([[0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
-    m, c = turn @ (mean + [1, 1, 0]), turn @ c @ turn.T
+    m, c = turn @ (mean + np.array([1.0, 1.0, 0.0])), turn @ c @ turn.T
     gain = np.linalg.solve(c[1:, 1:], c[1:, 0])
     tau = np.sqrt(c[0, 0] - c[0, 1:] @ gain)
     root = np.linalg.cholesky(c[1:, 1:])
@@ -318,7 +318,7 @@ def test_published_moments_are_those_of_the_printed_k_i():
 
 
 def test_published_closure_without_patterns_says_what_to_do():
-    with pytest.raises(ValueError, match="needs `stats.patterns`"):
+    with pytest.raises(ValueError, match=r"needs `stats\.patterns`"):
         PublishedClosure()(ordinary(), 0.5)
 
 

@@ -1,0 +1,70 @@
+"""Where the sea and its whitecaps meet."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._constants import BREAKING_WAVENUMBER
+from .._numerics import as_leaf, check_scalar, optional_leaf
+from .._types import Scalar, ScalarLike
+from ..surface import Fields, Sea, pattern_choppiness
+from ..whitecaps import AbstractBreaking, AbstractClosure, ExactClosure, HardBreaking, StrainStatistics
+from ..whitecaps import jacobian as strain_jacobian
+from ..whitecaps import strain_statistics
+
+
+class Ocean(eqx.Module):
+    """A realised sea, how choppy it is and where it breaks.
+
+    | leaf | unit | default | role |
+    |---|---|---|---|
+    | `sea` | | | spectrum and noise, see `jaxocean.surface.realise` |
+    | `choppiness` λ | - | 1 | horizontal displacement, one number or one per pattern |
+    | `threshold` ε | - | 0.5 | breaking where j < ε |
+    | `breaking_wavenumber` k_b | rad/m | 73.1 | waves shorter than this do not count for breaking; None: all do |
+    | `closure` | | exact, projected | from strain statistics to coverage |
+    | `breaking` | | hard | the indicator at a point |
+
+    **Raises:** `ValueError` for more λ than patterns, or a k_b that is not positive.
+    """
+
+    sea: Sea
+    choppiness: Float[Array, "..."] = eqx.field(
+        converter=lambda x: as_leaf(jnp.asarray(x)), default=1.0, kw_only=True
+    )
+    threshold: Scalar = eqx.field(converter=as_leaf, default=0.5, kw_only=True)
+    breaking_wavenumber: Scalar | None = eqx.field(
+        converter=optional_leaf, default=BREAKING_WAVENUMBER, kw_only=True
+    )
+    closure: AbstractClosure = eqx.field(default=ExactClosure(), kw_only=True)
+    breaking: AbstractBreaking = eqx.field(default=HardBreaking(), kw_only=True)
+
+    def __check_init__(self) -> None:
+        check_scalar("threshold", self.threshold, "")
+        check_scalar("breaking_wavenumber", self.breaking_wavenumber, "rad/m", positive=True)
+        pattern_choppiness(self.choppiness, self.sea.cascade.count)
+
+    def fields(self, time: ScalarLike) -> Fields:
+        """Height, displacement, slope and low-passed strain of every pattern at time t [s]."""
+        return self.sea.fields(time, self.choppiness, self.breaking_wavenumber)
+
+    def jacobian(self, p: Float[Array, "*b 2"], time: ScalarLike) -> Float[Array, "*b"]:
+        """j [-] that foam sees at rest points p [m] and time t [s]."""
+        return strain_jacobian(self.sea.strain(p, time, self.choppiness, self.breaking_wavenumber))
+
+    def whitecaps(self, p: Float[Array, "*b 2"], time: ScalarLike) -> Float[Array, "*b"]:
+        """1 where the surface breaks at rest points p [m] and time t [s], else 0 (in between for a smooth indicator)."""
+        return self.breaking(self.jacobian(p, time), self.threshold)
+
+    def statistics(self) -> StrainStatistics:
+        """Mean and covariance of the strain that foam sees on the whole plane, from the spectrum."""
+        return strain_statistics(
+            self.sea.spectrum,
+            self.choppiness,
+            cascade=self.sea.cascade,
+            breaking_wavenumber=self.breaking_wavenumber,
+        )
+
+    def coverage(self) -> Scalar:
+        """Whitecap coverage W [-] of the whole plane by the closure."""
+        return self.closure(self.statistics(), self.threshold)
