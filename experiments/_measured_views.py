@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from . import _plots, schema
 from ._files import Files, variable
@@ -55,7 +56,7 @@ def plot_records(store: Files, view: SeaView, config: schema.MeasuredSeaConfig) 
         store.picture(f"{view.name}_records", fig)
 
 
-def visible(coverage: np.ndarray, *, floor: float = 1e-12) -> np.ndarray:
+def visible(coverage: np.ndarray, *, floor: float = 1e-9) -> np.ndarray:
     """Values for a logarithmic axis: what is below `floor` leaves a gap."""
     return np.where(coverage > floor, coverage, np.nan)
 
@@ -68,8 +69,8 @@ def plot_spectra(store: Files, frequency: np.ndarray, views: Sequence[SeaView]) 
             energy = view.numbers.energy.mean(axis=0)
             measured = frequency <= float(np.mean(view.numbers.cut_off))
             top = max(top, float(energy.max()))
-            left.loglog(frequency[measured], visible(energy[measured]), color=colour, label=view.name)
-            left.loglog(frequency[~measured], visible(energy[~measured]), color=colour, linestyle=":")
+            left.loglog(frequency[measured], energy[measured], color=colour, label=view.name)
+            left.loglog(frequency[~measured], energy[~measured], color=colour, linestyle=":")
             slope, coverage = view.numbers.mean_square_slope, visible(view.projected)
             right.loglog(slope, coverage, "o", color=colour, markersize=4, alpha=0.6, markeredgewidth=0)
         left.set(ylim=(top * 1e-8, top * 3), xlabel="frequency f (Hz)", ylabel="E(f) (m²/Hz)")
@@ -77,6 +78,8 @@ def plot_spectra(store: Files, frequency: np.ndarray, views: Sequence[SeaView]) 
         left.legend()
         right.set(xlabel="mean-square slope (-)", ylabel="coverage W, projected area (-)")
         right.set_title("Each record")
+        # Labels of minor ticks would run into each other.
+        right.xaxis.set_minor_formatter(NullFormatter())
         store.picture("spectra", fig)
 
 
