@@ -1,5 +1,6 @@
 """The shape vocabulary: the few array types that the whole house speaks."""
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -13,6 +14,9 @@ ScalarLike: TypeAlias = float | int | Float[Array, ""] | Float[np.ndarray, ""] |
 
 FloatLike: TypeAlias = float | int | Float[Array, "..."] | Float[np.ndarray, "..."] | np.floating
 """A number or an array of numbers."""
+
+PerPattern: TypeAlias = FloatLike | Sequence[float | int] | Sequence[Float[Array, ""]]
+"""One number for all patterns of a cascade, or one for each."""
 
 Complex: TypeAlias = Inexact[Array, "..."]
 """A complex (or real) array of any shape."""
