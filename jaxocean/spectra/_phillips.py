@@ -14,7 +14,7 @@ from ..wind import Wind
 from ._spectrum import AbstractSpectrum, Harmonics, rotated_harmonics
 
 CALM = 1e-3  # m/s; a calmer sea is flat
-LONGEST = 80.0  # 1/(kL)² beyond which exp(−1/(kL)²) counts as 0, in float32 too
+LONGEST = 9.0  # 1/(kL) beyond which exp(−1/(kL)²) counts as 0, in float32 too
 CROSSWIND = 1e-6  # floor of |cos θ|, so that waves across the wind keep a finite logarithm
 
 
@@ -102,10 +102,12 @@ class Phillips(AbstractSpectrum):
 
     def _isotropic(self, k: Float[Array, "*k"]) -> Float[Array, "*k"]:
         length = self._longest_wave()
-        q = jnp.minimum(1 / (k * length) ** 2, LONGEST)
-        shape = (length * length * q) ** 2 * jnp.exp(-q - (k * self.smallest_wave) ** 2)
-        return self.amplitude * jnp.where((self.wind.speed > CALM) & (q < LONGEST), shape, 0.0)
+        # 1/(kL), not its square, is bounded: the square of a calm sea's overflows in float32.
+        inverse = jnp.minimum(1 / (k * length), LONGEST)
+        shape = (length * inverse) ** 4 * jnp.exp(-(inverse**2) - (k * self.smallest_wave) ** 2)
+        return self.amplitude * jnp.where((self.wind.speed > CALM) & (inverse < LONGEST), shape, 0.0)
 
     def _longest_wave(self) -> Scalar:
         """L = V²/g [m], the largest wave that the wind raises."""
-        return jnp.maximum(self.wind.speed, CALM) ** 2 / GRAVITY
+        blows = self.wind.speed > CALM
+        return jnp.where(blows, self.wind.speed, CALM) ** 2 / GRAVITY
