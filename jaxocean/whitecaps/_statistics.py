@@ -44,6 +44,19 @@ class StrainStatistics(eqx.Module):
         cm = covariance_times_form(self.covariance)
         return linear + 2 * jnp.einsum("...ij,...ji->...", cm, cm)
 
+    def jacobian_skewness(self) -> Float[Array, "*b"]:
+        """Third standardised cumulant of j for Gaussian strain: 0 if j were Gaussian; NaN for a sea without strain.
+
+        $$ γ = \\frac{8 tr((CM)³) + 24 x^T M C M C M x}{Var(j)^{3/2}} $$
+        """
+        p, q = 1 + self.mean[..., 0], 1 + self.mean[..., 1]
+        gradient = jnp.stack([q, p, -2 * self.mean[..., 2]], axis=-1)  # 2Mx
+        along = jnp.einsum("...ij,...j->...i", self.covariance, gradient)
+        linear = along[..., 0] * along[..., 1] - along[..., 2] ** 2  # its quadratic form M
+        cm = covariance_times_form(self.covariance)
+        cubic = jnp.einsum("...ij,...jk,...ki->...", cm, cm, cm)
+        return (8 * cubic + 6 * linear) / self.jacobian_variance() ** 1.5
+
 
 def covariance_times_form(covariance: Float[Array, "*b 3 3"]) -> Float[Array, "*b 3 3"]:
     """CM with the matrix M of the quadratic form j = xᵀMx, x = (1 + a, 1 + b, c)."""

@@ -59,6 +59,17 @@ def test_mean_of_the_jacobian_is_one_and_its_variance_is_that_of_monte_carlo():
     np.testing.assert_allclose(sea.jacobian_variance(), formula, rtol=1e-12)
 
 
+def test_skewness_of_the_jacobian_is_that_of_its_density_and_grows_with_the_sea():
+    stats_of = [sea_statistics(speed, direction=0.3) for speed in (5.0, 20.0)] + [ordinary(mean=(0.1, -0.2, 0.05))]
+    for sea in stats_of:
+        deviation = jnp.sqrt(sea.jacobian_variance())
+        j = jnp.linspace(sea.jacobian_mean() - 9 * deviation, sea.jacobian_mean() + 14 * deviation, 1500)
+        density = jax.vmap(jax.grad(lambda level, sea=sea: REST(sea, level)))(j)
+        third = np.trapezoid((j - sea.jacobian_mean()) ** 3 * density, j)
+        np.testing.assert_allclose(sea.jacobian_skewness(), third / deviation**3, rtol=1e-4)
+    assert 0.2 < stats_of[0].jacobian_skewness() < stats_of[1].jacobian_skewness() < 0.8
+
+
 MONTE_CARLO_CASES = [
     (5.0, 0.5, 1.0, 1), (5.0, 0.8, 0.7, 4), (8.0, 0.3, 1.5, 4), (8.0, 0.6, 1.0, 1),
     (10.0, 0.5, 1.0, 4), (10.0, 0.2, 2.0, 1), (12.0, 0.4, 1.2, 4), (12.0, 0.7, 0.7, 1),
