@@ -48,8 +48,8 @@ class Filters(eqx.Module):
     With e^{+ik·x}: D̂ = +i (k/|k|) ĥ, slopes i k ĥ, strains −(kx², ky², kx ky)/|k| ĥ.
     """
 
-    kx: Float[Array, "pattern y x"]
-    ky: Float[Array, "pattern y x"]
+    kx: Float[Array, "pattern 1 x"]
+    ky: Float[Array, "pattern y 1"]
     inverse: Float[Array, "pattern y x"]  # λ/|k|, 0 at k = 0
     strain: Float[Array, "pattern y x"]  # the same times the low-pass
 
@@ -76,9 +76,8 @@ def wave_filters(
     dtype = choppiness.dtype
     width = jnp.asarray(2 * np.pi / np.asarray(cascade.sizes), dtype)[:, None, None]
     index = jnp.asarray(lattice_indices(cascade.resolution), dtype)
-    shape = (cascade.count, cascade.resolution, cascade.resolution)
-    kx = jnp.broadcast_to(index * width, shape)
-    ky = jnp.broadcast_to(index[:, None] * width, shape)
+    kx = index * width
+    ky = index[:, None] * width
     square = kx**2 + ky**2
     moves = square > 0
     k = jnp.sqrt(jnp.where(moves, square, 1.0))
@@ -93,14 +92,11 @@ def transform(spectrum: Complex[Array, "pattern y x"], filters: Filters) -> Fiel
     An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real
     factor, F̂ + iĜ is ĥ times a real number: pairs are (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
     """
-    kx, ky, inverse, strain = filters.kx, filters.ky, filters.inverse, filters.strain
-    factors = jnp.stack(
-        [
-            1 - kx * inverse,
-            -kx * ky * strain - ky * inverse,
-            -kx * kx * strain - kx,
-            -ky * ky * strain - ky,
-        ],
-        axis=1,
-    )
+    kx, ky, inverse, strain = (f[:, None] for f in (filters.kx, filters.ky, filters.inverse, filters.strain))
+    # One expression for the four planes, with unit vectors along their axis, is one loop that vectorises:
+    # stacked arrays would be four, with a branch at every element.
+    height_u, c_v, a_x, b_y = jnp.eye(4, dtype=kx.dtype)[..., None, None]
+    along_x = inverse * height_u + strain * (kx * a_x + ky * c_v) + a_x
+    along_y = inverse * c_v + strain * (ky * b_y) + b_y
+    factors = height_u - kx * along_x - ky * along_y
     return Fields(jnp.fft.ifft2(scale(spectrum[:, None], factors), norm="forward"))

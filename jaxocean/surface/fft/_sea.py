@@ -12,9 +12,10 @@ from ...spectra import AbstractSpectrum, Dispersion
 from .._inverse import RestPoint, Sample, highest_root, implicit_offset
 from .._protocol import AbstractSurface, Points
 from ._cascade import Cascade
+from ._apart import compute_apart
 from ._choppiness import pattern_choppiness
 from ._complex import scale, turn
-from ._fields import Fields, transform, wave_filters
+from ._fields import Fields, Filters, transform, wave_filters
 from ._phase import Clock, phase, split_time
 from ._points import interpolate_grids, reduce_points, sum_waves, wave_table
 from ._sincos import sincos_turns
@@ -134,7 +135,8 @@ class Sea(AbstractSurface):
         if breaking_wavenumber is not None:
             if is_concrete(breaking_wavenumber) and not np.all(np.asarray(breaking_wavenumber) > 0):
                 raise ValueError(
-                    f"Argument `breaking_wavenumber` must be greater than 0 rad/m, but is {breaking_wavenumber}."
+                    "Argument `breaking_wavenumber` must be greater than 0 rad/m, "
+                    f"but is {breaking_wavenumber}."
                 )
             breaking_wavenumber = as_leaf(breaking_wavenumber).astype(dtype)
         return clock, pattern_choppiness(choppiness, self.cascade.count).astype(dtype), breaking_wavenumber
@@ -148,7 +150,10 @@ class Sea(AbstractSurface):
 def _fields(
     sea: Sea, clock: Clock, choppiness: Float[Array, " n"], breaking_wavenumber: Scalar | None
 ) -> Fields:
-    return transform(sea.height_spectrum(clock), wave_filters(sea.cascade, choppiness, breaking_wavenumber))
+    def waves() -> tuple[Complex[Array, "pattern y x"], Filters]:
+        return sea.height_spectrum(clock), wave_filters(sea.cascade, choppiness, breaking_wavenumber)
+
+    return transform(*compute_apart(waves, jnp.isfinite(clock.seconds)))
 
 
 @eqx.filter_jit

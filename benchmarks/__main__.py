@@ -1,0 +1,26 @@
+"""Run one benchmark by name."""
+
+import argparse
+import importlib
+
+BENCHMARKS = {
+    "ocean_step": "one frame of the sea against numpy, scipy, pyFFTW and XLA's bare transforms",
+}
+"""Name of a module of this package, which has `run(*, quick)`, and what it measures."""
+
+
+def main() -> None:
+    listing = "\n".join(f"  {name:<12} {what}" for name, what in BENCHMARKS.items())
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks",
+        description=f"Benchmarks:\n{listing}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("name", choices=sorted(BENCHMARKS))
+    parser.add_argument("--quick", action="store_true", help="few rounds: does it run, not how fast")
+    arguments = parser.parse_args()
+    importlib.import_module(f"benchmarks.{arguments.name}").run(quick=arguments.quick)
+
+
+if __name__ == "__main__":
+    main()
