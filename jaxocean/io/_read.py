@@ -1,6 +1,7 @@
 """Reading files of measured spectra through wavespectra."""
 
 import os
+import traceback
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -83,7 +84,7 @@ def open_spectra(path: Paths, *, kind: Kind | None = None) -> "xarray.Dataset":
     except Exception as error:  # readers of foreign formats fail in any way whatever
         raise ValueError(
             f"File `{files[0]}` could not be read as a spectrum of kind {found} "
-            f"({type(error).__name__}: {error}): check the file, or name its format with `kind`."
+            f"({type(error).__name__}: {' '.join(str(error).split())}): check the file, or name its format with `kind`."
         ) from error
 
 
@@ -151,7 +152,11 @@ def _read(kind: Kind, files: list[Path]) -> Any:
         # wavespectra's use of pandas and its open files are no business of whoever reads a spectrum.
         for category in (DeprecationWarning, FutureWarning, ResourceWarning):
             warnings.simplefilter("ignore", category)
-        return _read_foreign(kind, [str(file) for file in files])
+        try:
+            return _read_foreign(kind, [str(file) for file in files])
+        except Exception as error:
+            traceback.clear_frames(error.__traceback__)  # closes what a reader left open when it failed
+            raise
 
 
 def _read_foreign(kind: Kind, names: list[str]) -> Any:

@@ -4,8 +4,10 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from .._numerics import leaf_dtype
 from ..spectra import AbstractSpectrum, Dispersion
@@ -72,12 +74,10 @@ def dataset_from_spectrum(
     relation = Dispersion() if dispersion is None else dispersion
     degrees = np.arange(directions) * (360 / directions)
     dtype = leaf_dtype(spectrum, relation)
-    k = relation.wavenumber(jnp.asarray(2 * np.pi * f, dtype))
-    phi = jnp.asarray(np.deg2rad(270 - degrees), dtype)
-    density = spectrum.density(*jnp.broadcast_arrays(k[:, None], phi))
-    per_radian = density * (2 * jnp.pi * k / relation.group_speed(k))[:, None]
+    towards = jnp.asarray(np.deg2rad(270 - degrees), dtype)
+    per_radian = np.asarray(_energy(spectrum, relation, jnp.asarray(f, dtype), towards), np.float64)
     dataset = xarray.Dataset(
-        {"efth": (("time", "freq", "dir"), np.asarray(per_radian, np.float64)[None] * (np.pi / 180))},
+        {"efth": (("time", "freq", "dir"), per_radian[None] * (np.pi / 180))},
         coords={"time": np.array(["2000-01-01"], "datetime64[ns]"), "freq": f, "dir": degrees},
         attrs={"title": f"Directional wave spectrum of {type(spectrum).__name__}", "Conventions": "CF-1.8"},
     )
@@ -90,3 +90,13 @@ def dataset_from_spectrum(
     if relation.depth is not None:
         dataset["dpt"] = (("time",), np.asarray([float(relation.depth)]), {"units": "m"})
     return dataset
+
+
+@eqx.filter_jit
+def _energy(
+    spectrum: AbstractSpectrum, relation: Dispersion, frequency: Float[Array, " f"], angle: Float[Array, " d"]
+) -> Float[Array, "f d"]:
+    """E(f, φ) [m²/(Hz rad)] on the grid of frequencies [Hz] and angles [rad]."""
+    k = relation.wavenumber(2 * jnp.pi * frequency)
+    density = spectrum.density(*jnp.broadcast_arrays(k[:, None], angle))
+    return density * (2 * jnp.pi * k / relation.group_speed(k))[:, None]
