@@ -1,8 +1,12 @@
 """From sections of a config to jaxocean's objects: the one place that knows both names and classes."""
 
+import equinox as eqx
+
+import fitting
 import jaxocean as jo
 from jaxocean import wind as winds
 from jaxocean.spectra import spreading as spreadings
+from jaxocean.whitecaps import laws
 
 from . import schema
 from ._errors import UserError
@@ -102,3 +106,48 @@ def spreading(config: schema.SpreadingConfig, over: jo.Wind) -> spreadings.Abstr
             return spreadings.DonelanBanner()
         case schema.ElfouhailySpreading():
             return spreadings.ElfouhailySpreading(over)
+
+
+LAWS: dict[str, type[laws.AbstractLaw]] = {
+    "monahan_1980": laws.Monahan1980,
+    "monahan_1980_least_squares": laws.Monahan1980LeastSquares,
+    "monahan_1986": laws.MonahanOMuircheartaigh1986,
+    "callaghan_2008": laws.Callaghan2008,
+    "stramska_petelski_2003_undeveloped": laws.StramskaPetelski2003Undeveloped,
+    "stramska_petelski_2003_developed": laws.StramskaPetelski2003Developed,
+    "salisbury_2013": laws.Salisbury2013,
+    "goddijn_murphy_2011": laws.GoddijnMurphy2011,
+    "zhao_toba_2001": laws.ZhaoToba2001,
+    "monahan_lu_1990_stage_a": laws.MonahanLu1990StageA,
+    "monahan_lu_1990_stage_b": laws.MonahanLu1990StageB,
+    "coare_3_6": laws.COARE36,
+}
+"""Whitecap laws by the names that configs use."""
+
+
+def law(name: str) -> laws.AbstractLaw:
+    """A whitecap law with its default constants."""
+    return LAWS[name]()
+
+
+SOLVERS: dict[str, type[fitting.AbstractSolver]] = {
+    "levenberg_marquardt": fitting.LevenbergMarquardt,
+    "gauss_newton": fitting.GaussNewton,
+    "dogleg": fitting.Dogleg,
+    "bfgs": fitting.BFGS,
+}
+
+
+def solver(name: str) -> fitting.AbstractSolver:
+    """A solver with its default tolerances."""
+    return SOLVERS[name]()
+
+
+class ConfiguredSea(eqx.Module):
+    """Makes the spectrum of a config for any wind."""
+
+    config: schema.SpectrumConfig = eqx.field(static=True)
+
+    def __call__(self, wind: jo.Wind) -> jo.spectra.AbstractSpectrum:
+        """The spectrum under this wind."""
+        return spectrum(self.config, wind)

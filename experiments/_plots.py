@@ -61,6 +61,16 @@ def figure(
         yield fig, axes
 
 
+@contextmanager
+def mosaic(
+    layout: Sequence[Sequence[str]], *, size: tuple[float, float], **options: Any
+) -> Iterator[tuple[Figure, dict[str, Axes]]]:
+    """A figure whose axes have names and may span several cells; `options` as for `plt.subplot_mosaic`."""
+    with plt.rc_context(STYLE):
+        fig, axes = plt.subplot_mosaic([list(row) for row in layout], figsize=size, **options)
+        yield fig, axes
+
+
 def field_map(
     axes: Axes,
     values: ArrayLike,

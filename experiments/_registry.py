@@ -33,6 +33,12 @@ class Experiment:
 
 EXPERIMENTS = (
     Experiment(
+        "calibrate_monahan",
+        "the breaking threshold and choppiness for which a sea obeys a whitecap law",
+        schema.CalibrationConfig,
+        "experiments.calibrate_monahan",
+    ),
+    Experiment(
         "spectrum",
         "a sea state: its spectrum, Hs, Tp, slopes per band, and one realisation",
         schema.SeaStateConfig,
@@ -43,6 +49,12 @@ EXPERIMENTS = (
         "whitecap coverage predicted from measured directional spectra, per record",
         schema.MeasuredSeaConfig,
         "experiments.measured_sea",
+    ),
+    Experiment(
+        "gaussian_vs_monte_carlo",
+        "is the Jacobian Gaussian? coverage by three closures, by Monte Carlo and by FFT seas",
+        schema.GaussianVsMonteCarloConfig,
+        "experiments.gaussian_vs_monte_carlo",
     ),
 )
 

@@ -4,12 +4,16 @@ from ._base import ExperimentConfig as ExperimentConfig
 from ._base import Section as Section
 from ._base import key as key
 from ._base import wrong as wrong
+from ._calibration import CalibrationConfig as CalibrationConfig
+from ._calibration import LawName as LawName
+from ._calibration import WindsConfig as WindsConfig
 from ._experiments import ElfouhailyTailConfig as ElfouhailyTailConfig
 from ._experiments import MapConfig as MapConfig
 from ._experiments import MeasuredSeaConfig as MeasuredSeaConfig
 from ._experiments import NoTailConfig as NoTailConfig
 from ._experiments import PowerTailConfig as PowerTailConfig
 from ._experiments import SeaStateConfig as SeaStateConfig
+from ._gaussian import GaussianVsMonteCarloConfig as GaussianVsMonteCarloConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER
 from ._sea import CascadeConfig as CascadeConfig
 from ._sea import Choppiness as Choppiness

@@ -8,9 +8,15 @@ from .._constants import BREAKING_WAVENUMBER
 from .._numerics import as_leaf, check_scalar, optional_leaf
 from .._types import Scalar, ScalarLike
 from ..surface import Fields, Sea, pattern_choppiness
-from ..whitecaps import AbstractBreaking, AbstractClosure, ExactClosure, HardBreaking, StrainStatistics
+from ..whitecaps import (
+    AbstractBreaking,
+    AbstractClosure,
+    ExactClosure,
+    HardBreaking,
+    StrainStatistics,
+    strain_statistics,
+)
 from ..whitecaps import jacobian as strain_jacobian
-from ..whitecaps import strain_statistics
 
 
 class Ocean(eqx.Module):
@@ -53,7 +59,7 @@ class Ocean(eqx.Module):
         return strain_jacobian(self.sea.strain(p, time, self.choppiness, self.breaking_wavenumber))
 
     def whitecaps(self, p: Float[Array, "*b 2"], time: ScalarLike) -> Float[Array, "*b"]:
-        """1 where the surface breaks at rest points p [m] and time t [s], else 0 (in between for a smooth indicator)."""
+        """1 where the surface breaks at rest points p [m] and time t [s], else 0; in between for a smooth indicator."""
         return self.breaking(self.jacobian(p, time), self.threshold)
 
     def statistics(self) -> StrainStatistics:

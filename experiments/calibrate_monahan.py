@@ -1,0 +1,253 @@
+"""`calibrate_monahan`: fit ε and λ to whitecap laws, and check the result on realised seas."""
+
+import warnings
+from dataclasses import dataclass
+from functools import partial
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import fitting
+import jaxocean as jo
+from jaxocean.whitecaps.laws import RangeWarning
+
+from . import _build, _calibration_views, schema
+from ._columns import read_columns
+from ._files import Files
+from ._progress import Reporter
+from ._result import Result, Table
+
+CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
+BATCH = 8
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Everything that one closure says: one threshold for all winds, and one for each wind."""
+
+    shared: fitting.Fit
+    per_wind: fitting.Fit
+
+
+@dataclass(frozen=True)
+class Check:
+    """Coverage counted on realised seas at the fitted values, beside the closure's."""
+
+    counted: np.ndarray
+    error: np.ndarray
+    expected: np.ndarray
+
+    @property
+    def deviations(self) -> np.ndarray:
+        """Counted minus expected, in standard errors."""
+        return (self.counted - self.expected) / self.error
+
+
+def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> Result:
+    """Calibrate a sea to whitecap laws; see `schema.CalibrationConfig`."""
+    with jax.enable_x64(True):
+        targets = _targets(config)
+        calibrations = {}
+        for name in CLOSURES:
+            progress.step(f"Fitting with the {name} closure")
+            calibrations[name] = _calibrate(config, name, targets)
+        table = _threshold_table(config, targets, progress)
+    check = _check(config, calibrations["exact"].shared, progress) if config.realisations else None
+    progress.step("Drawing")
+    view = _calibration_views.View(config, calibrations, table, check)
+    _calibration_views.plot(store, view)
+    _calibration_views.save(store, view)
+    return _result(config, view)
+
+
+def _targets(config: schema.CalibrationConfig) -> list[fitting.AbstractTarget]:
+    """One target for each law, and one for the measured points."""
+    scatter = fitting.FreeScatter(config.scatter) if config.free.scatter else config.scatter
+    winds = _winds(config, np.asarray(config.wind.speed))
+    with warnings.catch_warnings():
+        # The fit's own warnings say it again, once.
+        warnings.simplefilter("ignore", RangeWarning)
+        targets: list[fitting.AbstractTarget] = [
+            fitting.CoverageLaw(_build.law(name), winds, scatter) for name in config.laws
+        ]
+    if config.points.file is not None:
+        columns = read_columns(config.points.file, (config.points.wind, config.points.coverage))
+        points = fitting.CoveragePoints.from_columns(
+            columns,
+            wind=config.points.wind,
+            coverage=config.points.coverage,
+            percent=config.points.percent,
+            scatter=scatter,
+        )
+        targets.append(eqx.tree_at(lambda p: p.winds, points, _winds(config, np.asarray(points.winds.speed))))
+    return targets
+
+
+def _winds(config: schema.CalibrationConfig, speeds: np.ndarray) -> jo.Wind:
+    """The config's wind at each of these speeds, stacked."""
+    return eqx.filter_vmap(lambda u: _build.wind(config.wind, speed=u))(jnp.asarray(speeds))
+
+
+def _model(config: schema.CalibrationConfig, closure: str, measure: str, **changes) -> fitting.SpectralModel:
+    where = {"cascade": _build.cascade(config.cascade)} if config.band is None else {"band": config.band}
+    leaves = {"choppiness": config.choppiness, "breaking_wavenumber": config.breaking_wavenumber} | changes
+    return fitting.SpectralModel(
+        config.threshold,
+        leaves["choppiness"],
+        spectrum=_build.ConfiguredSea(config.spectrum),
+        breaking_wavenumber=leaves["breaking_wavenumber"],
+        closure=CLOSURES[closure](measure),
+        **where,
+    )
+
+
+def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) -> Calibration:
+    """One ε (and λ, and k_b) for all winds; then, with these, one ε for each wind."""
+    free = [fitting.Parameter(lambda m: m.threshold)]
+    if config.free.choppiness:
+        prior = fitting.Normal(config.choppiness_prior.mean, config.choppiness_prior.deviation)
+        free.append(fitting.Parameter(lambda m: m.choppiness, prior=prior))
+    if config.free.breaking_wavenumber:
+        prior = fitting.LogNormal(config.breaking_wavenumber, 0.5)
+        free.append(fitting.Parameter(lambda m: m.breaking_wavenumber, prior=prior))
+    model = _model(config, closure, config.measure)
+    solve = partial(fitting.fit, solver=_build.solver(config.solver))
+    key = jax.random.key(config.seed)
+    shared = solve(model, free, targets, starts=config.starts, key=key)
+    each = fitting.Parameter(lambda m: m.threshold, per_wind=True)
+    return Calibration(shared, solve(shared.model, each, targets))
+
+
+def _threshold_table(
+    config: schema.CalibrationConfig, targets: list, progress: Reporter
+) -> dict[str, list[tuple[float, float, float, float]]]:
+    """For both areas: (k_b, ε, its error, RMS) with λ at the centre of its prior and one ε for all winds."""
+    cascade = _build.cascade(config.cascade)
+    highest = cascade.wavenumber_limit if config.band is None else config.band[1]
+    limits = [k for k in config.breaking_wavenumbers if k <= highest * (1 + 1e-9)]
+    table = {}
+    advance = progress.count("Tabling ε against k_b", 2 * len(limits)) if limits else lambda: None
+    for measure in ("projected", "rest"):
+        table[measure] = []
+        for k in limits:
+            model = _model(
+                config, "exact", measure, choppiness=config.choppiness_prior.mean, breaking_wavenumber=k
+            )
+            fit = fitting.fit(model, lambda m: m.threshold, targets, solver=_build.solver(config.solver))
+            rms = float(np.sqrt(np.mean(np.concatenate(list(fit.residuals.values())) ** 2)))
+            table[measure].append((k, fit.values["threshold"], fit.errors["threshold"], rms))
+            advance()
+    return table
+
+
+def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporter) -> Check | None:
+    """Count the coverage of realised seas with the shared values, and compare with the closure."""
+    if config.band is not None:
+        return None
+    cascade = _build.cascade(config.cascade)
+    model = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model)
+    keys = jax.random.split(jax.random.key(config.seed), config.realisations)
+    speeds = config.wind.speed
+    advance = progress.count(
+        f"Counting whitecaps on {len(speeds)} × {config.realisations} FFT seas", len(speeds)
+    )
+    counted, expected = [], []
+    for speed in speeds:
+        wind = _build.wind(config.wind, speed=speed)
+        coverage = _count(model, wind, cascade, keys, config.measure, config.shifts)
+        counted.append(np.asarray(coverage, float))
+        with jax.enable_x64(True):
+            expected.append(float(fit.model.coverage(_build.wind(config.wind, speed=speed))))
+        advance()
+    seas = np.stack(counted)
+    return Check(seas.mean(axis=1), seas.std(axis=1, ddof=1) / np.sqrt(seas.shape[1]), np.asarray(expected))
+
+
+@eqx.filter_jit
+def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, keys, measure: str, shifts: int):
+    spectrum = model.spectrum(wind)
+
+    def one(key):
+        fields = jo.surface.realise(spectrum, cascade, key=key).fields(
+            0.0, model.choppiness, model.breaking_wavenumber
+        )
+        return jo.whitecaps.realised_coverage(fields.strain, model.threshold, measure=measure, shifts=shifts)
+
+    return jax.lax.map(one, keys, batch_size=BATCH)
+
+
+def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> Result:
+    limit = "none" if config.breaking_wavenumber is None else f"{config.breaking_wavenumber:.4g} rad/m"
+    what = f"{config.measure} area, {_calibration_views.band_name(config)}, k_b = {limit}"
+    tables = [_fit_table(view, what), _wind_table(config, view)]
+    if any(view.table.values()):
+        tables.append(_limit_table(config, view))
+    exact = view.calibrations["exact"]
+    notes = [exact.shared.identifiability, *exact.shared.warnings]
+    if config.realisations and view.check is None:
+        notes.append("With a band instead of a cascade there are no FFT seas to check the result on.")
+    values = {
+        "measure": config.measure,
+        "band_rad_per_m": config.band or _build.cascade(config.cascade).band,
+        "breaking_wavenumber_rad_per_m": config.breaking_wavenumber,
+        "wind_m_per_s": config.wind.speed,
+        **{
+            name: {"shared": c.shared.as_dict(), "per_wind": c.per_wind.as_dict()}
+            for name, c in view.calibrations.items()
+        },
+        "threshold_by_breaking_wavenumber": view.table,
+    }
+    if view.check is not None:
+        worst = float(np.max(np.abs(view.check.deviations)))
+        notes.append(
+            f"{config.realisations} FFT seas at each wind reproduce the fitted coverage "
+            f"within {worst:.2g} standard errors at worst."
+        )
+        values["check"] = {
+            "coverage_counted": view.check.counted,
+            "standard_error": view.check.error,
+            "coverage_expected": view.check.expected,
+            "deviations": view.check.deviations,
+        }
+    return Result(values=values, tables=tables, notes=tuple(dict.fromkeys(notes)))
+
+
+def _fit_table(view: _calibration_views.View, what: str) -> Table:
+    rows = []
+    for name, calibration in view.calibrations.items():
+        fit = calibration.shared
+        for parameter in fit.parameters:
+            rows.append((name, parameter.name, parameter.value, parameter.error, parameter.unit))
+        for target in fit.targets:
+            rows.append((name, f"RMS to {target.name}", target.rms, float("nan"), "log10 W"))
+    return Table(f"One value for all winds: {what}", ("closure", "quantity", "value", "±", "unit"), rows)
+
+
+def _wind_table(config: schema.CalibrationConfig, view: _calibration_views.View) -> Table:
+    columns = ["U10 (m/s)"]
+    series: list = [config.wind.speed]
+    exact = view.calibrations["exact"]
+    for name, target in zip(config.laws, exact.shared.targets, strict=False):
+        columns.append(f"W, {name}")
+        series.append(10**target.observed)
+    for name, calibration in view.calibrations.items():
+        columns.append(f"W, {name} fit")
+        series.append(view.coverage[name])
+        own = calibration.per_wind
+        columns.append(f"ε(U10), {name}")
+        series.append(_calibration_views.per_wind_threshold(own, config.wind.speed)[0])
+    if view.check is not None:
+        columns += ["W, FFT seas", "± ", "deviation (SE)"]
+        series += [view.check.counted, view.check.error, view.check.deviations]
+    return Table("At each wind", columns, [tuple(map(float, row)) for row in zip(*series, strict=True)])
+
+
+def _limit_table(config: schema.CalibrationConfig, view: _calibration_views.View) -> Table:
+    rows = [
+        (row[0], *row[1:], *other[1:])
+        for row, other in zip(view.table["projected"], view.table["rest"], strict=True)
+    ]
+    columns = ("k_b (rad/m)", "ε projected", "±", "RMS (log10)", "ε rest", "± ", "RMS (log10) ")
+    return Table(f"ε against k_b, exact closure, λ = {config.choppiness_prior.mean:g}", columns, rows)

@@ -1,0 +1,112 @@
+"""`calibrate_monahan` from its config to its files, on a small cascade."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from experiments import _build, schema
+from experiments._errors import UserError
+from experiments._execute import execute
+from experiments._loading import load
+
+SMALL = [
+    "cascade.sizes=[400.0,37.0]",
+    "cascade.resolution=64",
+    "breaking_wavenumber=5.0",
+    "breaking_wavenumbers=[2.5,5.0]",
+    "wind.speed=[8.0,12.0,16.0]",
+    "realisations=24",
+]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    return execute(load("calibrate_monahan", [*SMALL, f"output={folder}"]))
+
+
+@pytest.fixture(scope="module")
+def values(run):
+    return json.loads((run.folder / "result.json").read_text())
+
+
+def test_realised_seas_reproduce_the_fitted_coverage(values):
+    assert np.max(np.abs(values["check"]["deviations"])) < 3
+
+
+def test_threshold_of_each_wind_meets_the_law_exactly(values):
+    for closure in ("exact", "gaussian"):
+        assert values[closure]["per_wind"]["targets"][0]["rms"] < 1e-6
+
+
+def test_words_say_that_threshold_and_choppiness_cannot_be_separated(values):
+    assert "cannot be separated" in values["exact"]["shared"]["identifiability"]
+
+
+def test_projected_area_needs_a_higher_threshold_than_the_rest_area(values):
+    table = values["threshold_by_breaking_wavenumber"]
+    for projected, rest in zip(table["projected"], table["rest"], strict=True):
+        assert projected[1] > rest[1]
+
+
+def test_run_leaves_data_with_units_and_a_picture(run):
+    with xr.open_dataset(run.folder / "calibration.nc") as data:
+        assert data["wind_speed"].attrs["units"] == "m s-1"
+        assert data.attrs["area_measure"] == "projected"
+        assert np.all(np.isfinite(data["coverage_exact"]))
+    assert (run.folder / "calibration.png").stat().st_size > 20_000
+
+
+def test_every_law_of_the_schema_can_be_built():
+    assert set(_build.LAWS) == set(schema.LawName.__args__)
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("wind.speed=[8.0,4.0]", "increase"),
+        ("laws=[monahan]", "laws"),
+        ("band=[5.0,1.0]", "lower < upper"),
+        ("spectrum={family: phillips}", "follow the wind"),
+        ("choppiness_prior.deviation=-1", "choppiness_prior.deviation"),
+    ],
+)
+def test_bad_values_are_one_sentence(override, sentence):
+    with pytest.raises(UserError, match=sentence):
+        load("calibrate_monahan", [override])
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("speed,coverage\n8,0.01\n", "must have a column `wind`"),
+        ("wind,coverage\n8,much\n", "Line 2 of .* must hold a number"),
+        ("", "is empty"),
+        ("wind,coverage\n8,1.5\n", "fractions"),
+    ],
+)
+def test_bad_measured_points_are_one_sentence_and_leave_nothing(tmp_path, text, sentence):
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    loaded = load("calibrate_monahan", [*SMALL, f"points.file={path}", f"output={tmp_path / 'runs'}"])
+    with pytest.raises(UserError, match=sentence):
+        execute(loaded)
+    assert not any((tmp_path / "runs").glob("calibrate*"))
+
+
+def test_measured_points_are_fitted_beside_the_law(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("wind,coverage\n8,0.5\n12,1.9\n16,5.0\n")
+    overrides = [
+        *SMALL,
+        f"points.file={path}",
+        "points.percent=true",
+        "realisations=0",
+        "breaking_wavenumbers=[]",
+    ]
+    found = execute(load("calibrate_monahan", [*overrides, f"output={tmp_path / 'runs'}"]))
+    fit = json.loads((found.folder / "result.json").read_text())["exact"]["shared"]
+    assert [target["name"] for target in fit["targets"]][1] == "measured coverage"
+    np.testing.assert_allclose(fit["targets"][1]["observed"], np.log10([0.005, 0.019, 0.05]), rtol=1e-6)
