@@ -68,18 +68,20 @@ def _close(stats: jo.whitecaps.StrainStatistics, thresholds, centres, measure) -
     published = jo.whitecaps.PublishedClosure()
     closures = (jo.whitecaps.ExactClosure(measure), jo.whitecaps.GaussianClosure(measure), published)
 
-    def curves(levels: jax.Array) -> Curves:
-        logs = [jax.vmap(lambda level, c=closure: c.log(stats, level))(levels) for closure in closures]
-        return Curves(levels, *(jnp.exp(each) for each in logs), jnp.exp(logs[1] - logs[0]))
-
+    # All thresholds in one call of each closure, compiled once.
+    levels = jnp.concatenate([thresholds, jnp.linspace(thresholds[0], thresholds[-1], FINE)])
+    exact, gaussian, printed = (jax.vmap(lambda x, c=c: c.log(stats, x))(levels) for c in closures)
+    everywhere = Curves(
+        levels, jnp.exp(exact), jnp.exp(gaussian), jnp.exp(printed), ratio=jnp.exp(gaussian - exact)
+    )
     # The coverage of the plane at rest is the distribution function of j: its derivative is the density.
     densities = [
         jax.vmap(jax.grad(lambda level, closure=closure: closure(stats, level)))(centres)
         for closure in (jo.whitecaps.ExactClosure("rest"), jo.whitecaps.GaussianClosure("rest"))
     ]
     return Closed(
-        at=curves(thresholds),
-        fine=curves(jnp.linspace(thresholds[0], thresholds[-1], FINE)),
+        at=jax.tree.map(lambda each: each[:-FINE], everywhere),
+        fine=jax.tree.map(lambda each: each[-FINE:], everywhere),
         published_variance=published.moments(stats)[1],
         variance=stats.jacobian_variance(),
         skewness=stats.jacobian_skewness(),
