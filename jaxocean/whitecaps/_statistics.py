@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 
 from .._numerics import as_leaf, leaf_dtype
 from .._types import PerPattern, Scalar, ScalarLike
-from ..spectra import AbstractSpectrum, Harmonics, band_nodes, breaking_filter
+from ..spectra import AbstractSpectrum, Harmonics, band_quadrature, breaking_filter
 from ..surface import Cascade, pattern_choppiness
 
 
@@ -129,10 +129,10 @@ def _integrate(
 ) -> StrainStatistics:
     """All bands at once: their nodes laid end to end."""
     dtype = choppiness.dtype
-    rules = [band_nodes(one) for one in bands]
+    rules = [band_quadrature(spectrum, one) for one in bands]
     ends = np.cumsum([0] + [nodes.size for nodes, _ in rules])
-    k = jnp.asarray(np.concatenate([nodes for nodes, _ in rules]), dtype)
-    weights = jnp.asarray(np.concatenate([w for _, w in rules]), dtype)
+    k = jnp.concatenate([nodes for nodes, _ in rules]).astype(dtype)
+    weights = jnp.concatenate([w for _, w in rules]).astype(dtype)
     weights = weights * (k * breaking_filter(k, breaking_wavenumber)) ** 2
     harmonics = spectrum.harmonics(k)
     covariances = jnp.stack(
