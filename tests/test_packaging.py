@@ -93,8 +93,9 @@ def test_list_and_show_work_from_the_wheel_outside_of_the_clone(installed, tmp_p
     assert str(installed / "experiments" / "configs" / "spectrum.yaml") in shown.stdout.replace("\n", "")
 
 
-def test_a_run_works_from_the_wheel_outside_of_the_clone_and_is_found_again(installed, tmp_path):
-    command = ("run", "spectrum", "cascade.resolution=32", "map.resolution=32")
+def test_the_main_job_runs_from_the_wheel_outside_of_the_clone_and_is_found_again(installed, tmp_path):
+    fewer = ("wind.speed=[8.0,12.0,16.0]", "breaking_wavenumbers=[73.0]", "realisations=0")
+    command = ("run", "calibrate_monahan", *fewer)
     first = jaxocean(installed, tmp_path, *command)
     assert first.returncode == 0, first.stderr
     (folder,) = (tmp_path / "runs").iterdir()
