@@ -10,12 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray, PyTree, UInt32
 
-from ._failures import check_outcome, check_start, value_warnings
+from ._failures import check_outcome, value_warnings
 from ._parameters import Parameter
 from ._priors import AbstractPrior
 from ._problem import Problem, make_problem
 from ._result import Fit, FittedParameter, FittedTarget
-from ._solve import Outcome, solve_once, solve_problem
+from ._solve import Outcome, lift, solve_once, solve_problem
 from ._solvers import AbstractSolver, LevenbergMarquardt
 from ._target import AbstractTarget, TargetSum, flatten_targets, unique_names
 from ._uncertainty import estimate
@@ -65,18 +65,15 @@ def fit(
     named = flatten_targets(targets)
     names = unique_names(named)
     with jax.enable_x64(True):
-        plain = tuple(target.tabulated() for target in _lift(named))
-        problem, speeds = make_problem(model, free, plain, priors, names)
-        lifted = _lift(problem)
-        points = _starting_points(lifted, starts, jax.random.key(0) if key is None else key)
+        problem, speeds = make_problem(model, free, _tabulate(named), priors, names)
         began = time.perf_counter()
-        outcome: Outcome = jax.device_get(solve_problem(lifted, points, solver))
+        outcome = solve_problem(problem, solver, starts, _key(starts, key))
+        outcome: Outcome = jax.device_get(outcome)
         seconds = time.perf_counter() - began
-    check_start(outcome, problem, names)
-    check_outcome(outcome, problem, solver)
+        check_outcome(outcome, problem, solver, names)
     fitted = _fitted_model(model, problem, np.asarray(outcome.values))
     notes = [note for target in named for note in target.notes()]
-    return _report(problem, speeds, names, notes, outcome, np.asarray(points[0]), solver, seconds, fitted)
+    return _report(problem, speeds, names, notes, outcome, solver, seconds, fitted)
 
 
 def solve_values(
@@ -115,35 +112,16 @@ def solve_values(
     return {slot.name: part for slot, part in zip(problem.slots, parts, strict=True)}
 
 
-def _lift(tree: PyTree) -> PyTree:
-    """All numbers in double precision."""
-
-    def lift(leaf: Any) -> Any:
-        if not eqx.is_inexact_array(leaf):
-            return leaf
-        return jnp.asarray(leaf, jnp.complex128 if jnp.iscomplexobj(leaf) else jnp.float64)
-
-    return jax.tree.map(lift, tree)
+@eqx.filter_jit
+def _tabulate(targets: tuple[AbstractTarget, ...]) -> tuple[AbstractTarget, ...]:
+    return tuple(target.tabulated() for target in lift(targets))
 
 
-def _starting_points(problem: Problem, starts: int, key) -> Float[Array, "start p"]:
-    first = problem.start()
+def _key(starts: int, key):
+    """No key where none is needed: the program is then the same for all."""
     if starts == 1:
-        return first[None]
-    normal = jax.random.normal(key, (starts - 1, first.size), first.dtype)
-
-    def draw(row):
-        parts = zip(
-            problem.slots, problem.priors, problem.split_values(row), problem.split_values(first), strict=True
-        )
-        drawn = []
-        for slot, prior, noise, start in parts:
-            value = slot.bounds.draw(noise, start) if prior is None else prior.draw(noise)
-            inside = slot.bounds.constrain(slot.bounds.unconstrain(value))
-            drawn.append(jnp.where(jnp.isfinite(inside), inside, start).ravel())
-        return jnp.concatenate(drawn)
-
-    return jnp.concatenate([first[None], jax.vmap(draw)(normal)])
+        return None
+    return jax.random.key(0) if key is None else key
 
 
 def _fitted_model(model: PyTree, problem: Problem, values: Float[np.ndarray, " p"]) -> PyTree:
@@ -163,7 +141,6 @@ def _report(
     names: list[str],
     notes: list[str],
     outcome: Outcome,
-    start: Float[np.ndarray, " p"],
     solver: AbstractSolver,
     seconds: float,
     fitted: Any,
@@ -187,7 +164,7 @@ def _report(
     rows = zip(
         problem.slots,
         problem.priors,
-        *(problem.split_values(one) for one in (values, errors, start)),
+        *(problem.split_values(one) for one in (values, errors, outcome.start)),
         strict=True,
     )
     parameters = tuple(

@@ -1,6 +1,7 @@
 """Whitecap coverage counted on random seas made by FFT, differentiable through a smooth indicator."""
 
 from collections.abc import Callable
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -11,7 +12,7 @@ from jaxocean import Wind
 from jaxocean._numerics import as_leaf, check_scalar, optional_leaf
 from jaxocean._types import Scalar
 from jaxocean.surface import Cascade, draw_noise, realise
-from jaxocean.whitecaps import AbstractBreaking, SmoothBreaking, jacobian
+from jaxocean.whitecaps import AbstractBreaking, SmoothBreaking, realised_coverage
 
 from ._model import AbstractPreparedModel
 from ._spectral_model import ElfouhailySea
@@ -20,23 +21,28 @@ from ._spectral_model import ElfouhailySea
 class RealisedModel(AbstractPreparedModel):
     """Wind → spectrum → FFT seas → Jacobian → counted coverage.
 
-    The random numbers are drawn once: every wind, every threshold and every step of a solver sees the same
-    seas, so that coverage is a smooth function and noise does not drown its slope. The strains of the
-    patterns are added sample by sample: patterns are independent, so the pairs are as good as points
-    anywhere on the plane.
+    The random numbers are drawn once: every wind, every threshold and every step of a solver sees the same seas,
+    so that coverage is a smooth function and noise does not drown its slope. Samples and folds are counted by
+    `jaxocean.whitecaps.realised_coverage`.
 
-    The projected area follows the sheets as `ExactClosure` does: E[j; j < ε] − 2E[j; j < −ε/3] for ε > 0 and
-    −E[j; j < ε] otherwise.
+    | leaf | unit | role |
+    |---|---|---|
+    | `threshold` ε | - | breaking where j < ε |
+    | `choppiness` λ | - | one number, or one per pattern of the cascade |
+    | `breaking_wavenumber` k_b | rad/m | low-pass of the strain that breaks; None for none |
+    | leaves of `spectrum` | theirs | how a wind makes a spectrum |
+    | `noise` | - | the random numbers (seed, pattern, y, x) |
+    | leaves of `breaking` | - | width of the indicator |
 
-    **Leaves:** `threshold` ε [-], `choppiness` λ [-], `breaking_wavenumber` k_b [rad/m] or None, those of
-    `spectrum` (see `SpectralModel`), `noise`, and the width of the indicator.
+    **Arguments:** the leaves above, and
 
-    **Arguments:** besides these `cascade`; exactly one of `key` (with `seeds`, how many seas) and `noise`
-    (seed, pattern, y, x); `breaking`: the indicator, `SmoothBreaking(0.02)` by default; `projected`:
-    projected (True) or rest area.
+    - `cascade`: sizes, bands, resolution.
+    - `key` (with `seeds`, how many seas) or `noise`: exactly one.
+    - `breaking`: the indicator, `SmoothBreaking(0.02)` by default; a hard one cannot be fitted.
+    - `measure`: "projected" (default) or "rest" area.
+    - `shifts`: how many arrangements of the patterns are counted for each sea.
 
-    **Raises:** `ValueError` unless exactly one of `key` and `noise` is given, or for leaves that make no
-    sense.
+    **Raises:** `ValueError` unless exactly one of `key` and `noise` is given, or for leaves that make no sense.
     """
 
     threshold: Scalar
@@ -47,7 +53,8 @@ class RealisedModel(AbstractPreparedModel):
     noise: Complex[Array, "seed pattern y x"]
     strain: Float[Array, "seed pattern y x 3"] | None
     cascade: Cascade = eqx.field(static=True)
-    projected: bool = eqx.field(static=True)
+    measure: Literal["projected", "rest"] = eqx.field(static=True)
+    shifts: int = eqx.field(static=True)
 
     def __init__(
         self,
@@ -61,7 +68,8 @@ class RealisedModel(AbstractPreparedModel):
         seeds: int = 8,
         breaking_wavenumber: float | Scalar | None = None,
         breaking: AbstractBreaking | None = None,
-        projected: bool = True,
+        measure: Literal["projected", "rest"] = "projected",
+        shifts: int = 1,
     ) -> None:
         if seeds < 1:
             raise ValueError(f"Argument `seeds` must be at least 1, but is {seeds}.")
@@ -78,7 +86,8 @@ class RealisedModel(AbstractPreparedModel):
         self.noise = noise
         self.strain = None
         self.cascade = cascade
-        self.projected = projected
+        self.measure = measure
+        self.shifts = shifts
         check_scalar("threshold", self.threshold, "")
         check_scalar("breaking_wavenumber", self.breaking_wavenumber, "rad/m", positive=True)
 
@@ -95,13 +104,12 @@ class RealisedModel(AbstractPreparedModel):
     def coverages(self, wind: Wind) -> Float[Array, " seed"]:
         """W [-] of each sea: their spread is the error of the mean."""
         strain = self.prepare(wind) if self.strain is None else self.strain
-        weight = jnp.broadcast_to(self.choppiness, (self.cascade.count,))
-        j = jacobian(jnp.einsum("i,siyxc->syxc", weight, strain))
-        if not self.projected:
-            return jnp.mean(self.breaking(j, self.threshold), axis=(-2, -1))
-        foam = jnp.mean(j * self.breaking(j, self.threshold), axis=(-2, -1))
-        buried = jnp.mean(j * self.breaking(j, -jnp.abs(self.threshold) / 3), axis=(-2, -1))
-        return jnp.where(self.threshold > 0, foam - 2 * buried, -foam)
+        weight = jnp.broadcast_to(self.choppiness, (self.cascade.count,))[:, None, None, None]
+        return jax.vmap(
+            lambda one: realised_coverage(
+                weight * one, self.threshold, breaking=self.breaking, measure=self.measure, shifts=self.shifts
+            )
+        )(strain)
 
     def prepare(self, wind: Wind) -> Float[Array, "seed pattern y x 3"]:
         """Strain of every sea at choppiness 1."""

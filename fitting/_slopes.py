@@ -2,6 +2,7 @@
 
 import abc
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -102,19 +103,21 @@ class SlopeVariance(AbstractTarget):
     - `law`: a function of the wind that returns `Slopes`, `CoxMunk1954()` by default.
     - `component`: `Total()`, `Upwind()` or `Crosswind()`.
     - `scatter`: s, the relative scatter, or `FreeScatter(start)`.
+    - `label`: what reports call the law.
 
     The model needs `slope_variance(wind)`, the variances along and across the wind. Slopes of the undisplaced
     surface know neither choppiness nor threshold: this target informs about the spectrum.
     """
 
     winds: Wind = eqx.field(converter=as_winds)
-    law: CoxMunk1954 = CoxMunk1954()
+    law: Callable = CoxMunk1954()
     component: AbstractComponent = Total()
     scatter: AbstractScatter = eqx.field(converter=as_scatter, default=0.1)
+    label: str = eqx.field(static=True, default="Cox & Munk 1954")
 
     @property
     def name(self) -> str:
-        return f"{self.component} (Cox & Munk 1954)"
+        return f"{self.component} ({self.label})"
 
     @property
     def unit(self) -> str:
