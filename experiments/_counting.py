@@ -62,7 +62,7 @@ class Draws(NamedTuple):
         if self.measure == "rest":
             return wilson_interval(self.counted.mean, self.total, confidence)
         half = normal_quantile(confidence) * self.counted.error
-        return self.counted.mean - half, self.counted.mean + half
+        return np.maximum(self.counted.mean - half, 0), self.counted.mean + half
 
     def deviation(self, expected: Float[np.ndarray, " threshold"]) -> Float[np.ndarray, " threshold"]:
         """Counted minus expected in standard errors: those that the expected coverage has, where binomial."""

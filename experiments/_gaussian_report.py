@@ -173,7 +173,13 @@ def _notes(seas: list[Comparison], verdicts: dict, config: schema.GaussianVsMont
     skewness = f"{float(first.closed.skewness):+.2f} at U10 = {first.speed:g} m/s"
     if len(seas) > 1:
         skewness += f", {float(last.closed.skewness):+.2f} at {last.speed:g} m/s"
-    notes = [f"The Jacobian is not Gaussian: its skewness is {skewness} (0 if it were)."]
+    gaussian = verdicts["gaussian", "monte_carlo"]
+    answer = (
+        "The draws cannot tell the Jacobian from a Gaussian one"
+        if gaussian["agreeing"] == gaussian["cases"]
+        else "The Jacobian is not Gaussian"
+    )
+    notes = [f"{answer}: its skewness is {skewness} (0 if it were)."]
     i = _middle(config)
     listed = ", ".join(f"{factor(float(sea.closed.at.ratio[i]))} at {sea.speed:g} m/s" for sea in seas)
     notes.append(f"At ε = {config.thresholds[i]:g} the Gaussian formula is {listed}.")

@@ -18,7 +18,7 @@ ERROR_BARS: Any = {"elinewidth": 1.0, "capsize": 1.5}
 OPEN: Any = {"markerfacecolor": "none", "markeredgewidth": 0.9}
 
 FEWEST = 10
-"""Counts are used where breaking was seen in so many batches of draws, or in half of the seas."""
+"""Draws are compared with closures where so many of them should break; FFT seas where half of them do."""
 
 
 class Curves(NamedTuple):
@@ -57,8 +57,8 @@ class Comparison(NamedTuple):
 
     @property
     def drawn(self) -> np.ndarray:
-        """Where the draws say something."""
-        return self.draws.counted.seen >= FEWEST
+        """Where the draws say something: decided by what is expected, lest chance choose the cases."""
+        return (self.closed.at.exact * self.draws.total >= FEWEST) & (self.draws.counted.error > 0)
 
     @property
     def seen(self) -> np.ndarray:
@@ -84,7 +84,11 @@ def plot_coverage(store: Files, seas: list[Comparison], config: schema.GaussianV
         _legends(left, seas, colours, config)
         for axis in (top, bottom):
             axis.axhline(1, color=_plots.BLACK, linewidth=1, zorder=1)
-        top.set(title="(b) Gaussian over exact", ylabel="ratio of coverages (-)", ylim=(0.5, HIGHEST))
+        top.set(
+            title="(b) Gaussian over exact; dots: over draws",
+            ylabel="ratio of coverages (-)",
+            ylim=(0.5, HIGHEST),
+        )
         top.set(yscale="log", xlim=_informative(seas), xlabel="breaking threshold ε (-)")
         bottom.set(
             title=f"(c) Counted over exact, {100 * config.confidence:g} % intervals",
@@ -102,7 +106,8 @@ def _draw_coverage(axes: Axes, sea: Comparison, colour: Any, config: Any) -> Non
     if config.measure == "rest":
         axes.plot(fine.threshold, _visible(fine.published), ":", color=_plots.BLACK, linewidth=2.2)
     mean, bars = sea.draws.counted.mean, _bars(sea, config)
-    use = sea.draws.counted.seen > 0
+    # The binomial interval holds for any count, the normal one of the projected area for many only.
+    use = sea.draws.counted.seen > 0 if config.measure == "rest" else sea.drawn
     axes.errorbar(x[use], mean[use], yerr=bars[:, use], fmt="o", color=colour, markersize=3.5, **ERROR_BARS)
     use = sea.seen
     axes.plot(x[use], sea.realised.mean[use], "s", color=colour, markersize=7, **OPEN)
@@ -185,7 +190,7 @@ def plot_densities(store: Files, seas: list[Comparison], j: np.ndarray) -> None:
     """`densities.png`: histograms of j with the exact and the Gaussian density, linear and logarithmic."""
     chosen = seas if len(seas) <= 4 else [seas[i] for i in np.linspace(0, len(seas) - 1, 4).astype(int)]
     width = float(j[1] - j[0])
-    size = (1.0 + 2.4 * len(chosen), 5.2)
+    size = (max(6.0, 1.0 + 2.4 * len(chosen)), 5.2)
     options: Any = {"sharex": True, "sharey": "row", "squeeze": False, "height_ratios": (1, 1.3)}
     with _plots.figure(2, len(chosen), size=size, **options) as (fig, axes):
         top = max(float(sea.closed.density.max()) for sea in chosen)
