@@ -16,7 +16,16 @@ from jaxocean._numerics import is_concrete
 from jaxocean._types import Scalar
 from jaxocean.whitecaps.laws import AbstractLaw, RangeWarning
 
-from ._target import AbstractScatter, AbstractTarget, as_row, as_scatter, as_winds
+from ._target import (
+    AbstractScatter,
+    AbstractTarget,
+    Numbers,
+    Scatter,
+    Winds,
+    as_row,
+    as_scatter,
+    as_winds,
+)
 
 SCATTER = 0.5
 """Default scatter in log10 W: observed coverage varies by about a factor of ten at one wind speed."""
@@ -51,8 +60,13 @@ class CoverageLaw(AbstractTarget):
     """
 
     law: AbstractLaw
-    winds: Wind = eqx.field(converter=as_winds)
-    scatter: AbstractScatter = eqx.field(converter=as_scatter, default=SCATTER)
+    winds: Wind
+    scatter: AbstractScatter
+
+    def __init__(self, law: AbstractLaw, winds: Winds, scatter: Scatter = SCATTER) -> None:
+        self.law = law
+        self.winds = as_winds(winds)
+        self.scatter = as_scatter(scatter)
 
     def __check_init__(self) -> None:
         speed = self.winds.speed
@@ -115,10 +129,18 @@ class CoveragePoints(AbstractTarget):
     **Raises:** `ValueError` for lengths that differ, and for coverage that is not a fraction.
     """
 
-    winds: Wind = eqx.field(converter=as_winds)
-    coverage: Float[Array, " n"] = eqx.field(converter=as_row)
-    scatter: AbstractScatter = eqx.field(converter=as_scatter, default=SCATTER)
-    label: str = eqx.field(static=True, default="measured coverage")
+    winds: Wind
+    coverage: Float[Array, " n"]
+    scatter: AbstractScatter
+    label: str = eqx.field(static=True)
+
+    def __init__(
+        self, winds: Winds, coverage: Numbers, scatter: Scatter = SCATTER, label: str = "measured coverage"
+    ) -> None:
+        self.winds = as_winds(winds)
+        self.coverage = as_row(coverage)
+        self.scatter = as_scatter(scatter)
+        self.label = label
 
     def __check_init__(self) -> None:
         n = self.winds.speed.shape[0]

@@ -40,7 +40,7 @@ class Normal(AbstractPrior):
 
     mean: Scalar = eqx.field(converter=as_leaf)
     deviation: Scalar = eqx.field(converter=as_leaf)
-    where: Callable | None = eqx.field(static=True, default=None)
+    where: Callable | None = eqx.field(static=True, default=None, kw_only=True)
 
     def __check_init__(self) -> None:
         check_scalar("mean", self.mean, "")
@@ -66,7 +66,7 @@ class LogNormal(AbstractPrior):
 
     median: Scalar = eqx.field(converter=as_leaf)
     deviation: Scalar = eqx.field(converter=as_leaf)
-    where: Callable | None = eqx.field(static=True, default=None)
+    where: Callable | None = eqx.field(static=True, default=None, kw_only=True)
 
     def __check_init__(self) -> None:
         check_scalar("median", self.median, "", positive=True)

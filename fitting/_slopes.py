@@ -14,7 +14,7 @@ from jaxocean import Wind
 from jaxocean._constants import VON_KARMAN
 from jaxocean._types import Scalar
 
-from ._target import AbstractScatter, AbstractTarget, as_scatter, as_winds
+from ._target import AbstractScatter, AbstractTarget, Scatter, Winds, as_scatter, as_winds
 
 
 class Slopes(NamedTuple):
@@ -109,11 +109,25 @@ class SlopeVariance(AbstractTarget):
     surface know neither choppiness nor threshold: this target informs about the spectrum.
     """
 
-    winds: Wind = eqx.field(converter=as_winds)
-    law: Callable = CoxMunk1954()
-    component: AbstractComponent = Total()
-    scatter: AbstractScatter = eqx.field(converter=as_scatter, default=0.1)
-    label: str = eqx.field(static=True, default="Cox & Munk 1954")
+    winds: Wind
+    law: Callable
+    component: AbstractComponent
+    scatter: AbstractScatter
+    label: str = eqx.field(static=True)
+
+    def __init__(
+        self,
+        winds: Winds,
+        law: Callable | None = None,
+        component: AbstractComponent | None = None,
+        scatter: Scatter = 0.1,
+        label: str = "Cox & Munk 1954",
+    ) -> None:
+        self.winds = as_winds(winds)
+        self.law = CoxMunk1954() if law is None else law
+        self.component = Total() if component is None else component
+        self.scatter = as_scatter(scatter)
+        self.label = label
 
     @property
     def name(self) -> str:

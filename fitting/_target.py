@@ -2,7 +2,7 @@
 
 import abc
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax
@@ -12,7 +12,10 @@ from jaxtyping import Array, Float
 
 from jaxocean import Wind
 from jaxocean._numerics import as_leaf, check_scalar, is_concrete
-from jaxocean._types import Scalar
+from jaxocean._types import FloatLike, Scalar
+
+Numbers: TypeAlias = FloatLike | Sequence[float | int]
+"""A number, an array or a list of numbers."""
 
 
 class AbstractScatter(eqx.Module):
@@ -87,6 +90,13 @@ def as_winds(winds: Any) -> Wind:
     if is_concrete(speed) and not np.all(np.isfinite(speed) & (np.asarray(speed) >= 0)):
         raise ValueError("Argument `winds` must hold finite speeds of at least 0 m/s.")
     return batched
+
+
+Scatter: TypeAlias = Numbers | AbstractScatter
+"""One standard deviation for all data, one for each, or one that is fitted."""
+
+Winds: TypeAlias = Numbers | range | Wind | Sequence[Wind]
+"""Wind speeds [m/s], or winds."""
 
 
 class AbstractTarget(eqx.Module):
