@@ -68,21 +68,21 @@ def test_young_seas_are_lower_and_their_peaks_sharper():
     assert float(sp.peak_period(young)) < 0.6 * float(sp.peak_period(old))
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-8, 1e-3, 0.1, 1.0, 2.0])
 @pytest.mark.parametrize("x64", [True, False])
-def test_calm_seas_are_flat_and_differentiable(speed, x64):
+def test_calm_seas_are_flat_and_differentiable(x64):
+    def all_numbers(u):
+        sea = sp.Elfouhaily(jo.Wind(u))
+        return jnp.stack([sp.significant_wave_height(sea), sp.mean_square_slope(sea)])
+
     with jax.enable_x64(x64):
-
-        def all_numbers(u):
-            sea = sp.Elfouhaily(jo.Wind(u))
-            return jnp.stack([sp.significant_wave_height(sea), sp.mean_square_slope(sea)])
-
-        values = jax.jit(all_numbers)(speed)
-        derivatives = jax.jit(jax.jacrev(all_numbers))(speed)
-        assert bool(jnp.all(jnp.isfinite(values)))
-        assert bool(jnp.all(jnp.isfinite(derivatives)))
-        if speed <= 1e-3:
-            assert float(jnp.max(values)) == 0.0
+        speeds = jnp.asarray([0.0, 1e-8, 1e-3, 0.1, 1.0, 2.0])
+        values, derivatives = jax.jit(jax.vmap(lambda u: (all_numbers(u), jax.jacrev(all_numbers)(u))))(
+            speeds
+        )
+    assert bool(jnp.all(jnp.isfinite(values)))
+    assert bool(jnp.all(jnp.isfinite(derivatives)))
+    assert float(jnp.max(values[:3])) == 0.0
+    assert bool(jnp.all(values[4:] > 0))
 
 
 def test_the_sea_grows_steadily_out_of_the_calm():
