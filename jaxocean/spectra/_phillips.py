@@ -42,7 +42,7 @@ class Phillips(AbstractSpectrum):
 
     **Raises:** `ValueError` for a negative number or an `opposing` above 1.
 
-    **Source:** Tessendorf 2004, Simulating Ocean Water, eqs 40–42.
+    **Source:** Tessendorf 2004, Simulating Ocean Water (course notes).
     """
 
     wind: Wind

@@ -33,7 +33,7 @@ def depth_factor(wavenumber: Float[Array, "*k"], depth: Scalar) -> Float[Array, 
 
     $$ φ = \\frac{\\tanh² kd}{1 + 2kd/\\sinh 2kd} $$
 
-    **Source:** Bouws, Günther, Rosenthal & Vincent 1985, J. Geophys. Res. 90(C1), eq. 3 and following.
+    **Source:** Bouws, Günther, Rosenthal & Vincent 1985, J. Geophys. Res. 90(C1), 975–986.
     """
     double = jnp.minimum(2 * wavenumber * depth, DEEP)
     small = double < 1e-3
