@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray, PyTree, UInt32
 
 from ._failures import check_outcome, value_warnings
-from ._parameters import Parameter
+from ._parameters import Parameter, split
 from ._priors import AbstractPrior
 from ._problem import Problem, make_problem
 from ._result import Fit, FittedParameter, FittedTarget
@@ -108,7 +108,7 @@ def solve_values(
                 "make the model inside `jax.enable_x64(True)`."
             )
     values = solve_once(problem, LevenbergMarquardt() if solver is None else solver)
-    parts = problem.split_values(values)
+    parts = split(problem.slots, values)
     return {slot.name: part for slot, part in zip(problem.slots, parts, strict=True)}
 
 
@@ -127,7 +127,7 @@ def _key(starts: int, key):
 def _fitted_model(model: PyTree, problem: Problem, values: Float[np.ndarray, " p"]) -> PyTree:
     """The model with its numbers put in, each leaf of the type that it came with."""
     leaves, treedef = jax.tree.flatten(model)
-    for slot, part in zip(problem.slots, problem.split_values(values), strict=True):
+    for slot, part in zip(problem.slots, split(problem.slots, values), strict=True):
         if not slot.is_scatter:
             value = part.mean(axis=0) if slot.per_wind else part
             old = leaves[slot.index]
@@ -150,7 +150,7 @@ def _report(
     values, jacobian = np.asarray(outcome.values), np.asarray(outcome.jacobian)
     information = [
         2 * problem.scatter_size(slot) / value**2 if slot.is_scatter else 0.0
-        for slot, part in zip(problem.slots, problem.split_values(values), strict=True)
+        for slot, part in zip(problem.slots, split(problem.slots, values), strict=True)
         for value in part.ravel()
     ]
     known = estimate(
@@ -164,7 +164,7 @@ def _report(
     rows = zip(
         problem.slots,
         problem.priors,
-        *(problem.split_values(one) for one in (values, errors, outcome.start)),
+        *(split(problem.slots, one) for one in (values, errors, outcome.start)),
         strict=True,
     )
     parameters = tuple(

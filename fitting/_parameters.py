@@ -1,5 +1,6 @@
 """Which leaves of a model are free, under which name, in which unit and within which bounds."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -73,7 +74,7 @@ class Slot:
     @property
     def size(self) -> int:
         """How many numbers this leaf holds."""
-        return int(np.prod(self.shape, dtype=int))
+        return math.prod(self.shape)
 
     def labels(self, winds: Sequence[float]) -> list[str]:
         """A name for each of its numbers."""
@@ -82,6 +83,15 @@ class Slot:
             at = [f"{self.name}({speed:g} m/s)" for speed in winds]
             return [f"{a}{_subscript(i)}" for a in at for i in np.ndindex(*inner)]
         return [f"{self.name}{_subscript(i)}" for i in np.ndindex(*self.shape)]
+
+
+def split(slots: Sequence[Slot], values: Any) -> list[Any]:
+    """A flat vector cut into one array per slot."""
+    parts, position = [], 0
+    for slot in slots:
+        parts.append(values[position : position + slot.size].reshape(slot.shape))
+        position += slot.size
+    return parts
 
 
 def _subscript(index: tuple[int, ...]) -> str:

@@ -15,7 +15,7 @@ from jaxocean._numerics import is_concrete, safe_sqrt
 
 from ._bounds import Interval
 from ._model import AbstractPreparedModel
-from ._parameters import Parameter, Slot, attach_priors, locate, resolve
+from ._parameters import Parameter, Slot, attach_priors, locate, resolve, split
 from ._priors import AbstractPrior
 from ._target import AbstractTarget, FreeScatter
 
@@ -87,7 +87,7 @@ class Problem(eqx.Module):
         """Distances from the priors in standard deviations."""
         parts = [
             prior.residual(part).ravel()
-            for prior, part in zip(self.priors, self.split_values(values), strict=True)
+            for prior, part in zip(self.priors, split(self.slots, values), strict=True)
             if prior is not None
         ]
         return jnp.concatenate(parts) if parts else jnp.zeros(0, values.dtype)
@@ -101,7 +101,7 @@ class Problem(eqx.Module):
         solver minimises it too.
         """
         rows = [self.data_residuals(predictions), self.prior_residuals(values)]
-        for slot, part in zip(self.slots, self.split_values(values), strict=True):
+        for slot, part in zip(self.slots, split(self.slots, values), strict=True):
             if slot.is_scatter:
                 assert isinstance(slot.bounds, Interval)
                 n = self.scatter_size(slot)
@@ -137,20 +137,12 @@ class Problem(eqx.Module):
     def _with(self, values: Float[Array, " p"], row: Any) -> tuple[PyTree, tuple[AbstractTarget, ...]]:
         """Model and targets with their numbers put in; per-wind parameters give those of this row."""
         leaves, treedef = jax.tree.flatten(self.tree)
-        for slot, part in zip(self.slots, self.split_values(values), strict=True):
+        for slot, part in zip(self.slots, split(self.slots, values), strict=True):
             leaves[slot.index] = part[0 if row is None else row] if slot.per_wind else part
         return treedef.unflatten(leaves)
 
-    def split_values(self, values):
-        """The flat vector cut into one array per slot."""
-        parts, position = [], 0
-        for slot in self.slots:
-            parts.append(values[position : position + slot.size].reshape(slot.shape))
-            position += slot.size
-        return parts
-
     def _each(self, values: Float[Array, " p"], change: Callable) -> Float[Array, " p"]:
-        parts = zip(self.slots, self.split_values(values), strict=True)
+        parts = zip(self.slots, split(self.slots, values), strict=True)
         return jnp.concatenate([change(slot, part).ravel() for slot, part in parts])
 
 

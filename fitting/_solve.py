@@ -9,6 +9,7 @@ import lineax as lx
 import optimistix as optx
 from jaxtyping import Array, Bool, Float, Int, PyTree
 
+from ._parameters import split
 from ._problem import Predictions, Problem
 from ._solvers import AbstractSolver
 
@@ -100,8 +101,8 @@ def starting_points(problem: Problem, starts: int, key) -> Float[Array, "start p
         parts = zip(
             problem.slots,
             problem.priors,
-            problem.split_values(row),
-            problem.split_values(first),
+            split(problem.slots, row),
+            split(problem.slots, first),
             strict=True,
         )
         drawn = []
