@@ -1,8 +1,11 @@
 """`calibrate_monahan`: fit ε and λ to whitecap laws, and check the result on realised seas."""
 
 import warnings
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,6 +14,7 @@ import numpy as np
 
 import fitting
 import jaxocean as jo
+from jaxocean.whitecaps import Measure
 from jaxocean.whitecaps.laws import RangeWarning
 
 from . import _build, _calibration_views, schema
@@ -20,6 +24,7 @@ from ._progress import Reporter
 from ._result import Result, Table
 
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
+MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
 
 
@@ -49,11 +54,13 @@ def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> R
     """Calibrate a sea to whitecap laws; see `schema.CalibrationConfig`."""
     with jax.enable_x64(True):
         targets = _targets(config)
-        calibrations = {}
-        for name in CLOSURES:
-            progress.step(f"Fitting with the {name} closure")
-            calibrations[name] = _calibrate(config, name, targets)
-        table = _threshold_table(config, targets, progress)
+    limits = _limits(config)
+    tasks = {name: partial(_calibrate, config, name, targets) for name in CLOSURES}
+    if limits:
+        tasks |= {measure: partial(_threshold_row, config, measure, limits, targets) for measure in MEASURES}
+    done = _all(tasks, progress.count("Fitting: both closures, and ε against k_b", len(tasks)))
+    calibrations = {name: done[name] for name in CLOSURES}
+    table = {measure: done.get(measure, []) for measure in MEASURES}
     check = _check(config, calibrations["exact"].shared, progress) if config.realisations else None
     progress.step("Drawing")
     view = _calibration_views.View(config, calibrations, table, check)
@@ -90,8 +97,9 @@ def _winds(config: schema.CalibrationConfig, speeds: np.ndarray) -> jo.Wind:
     return eqx.filter_vmap(lambda u: _build.wind(config.wind, speed=u))(jnp.asarray(speeds))
 
 
-def _model(config: schema.CalibrationConfig, closure: str, measure: str, **changes) -> fitting.SpectralModel:
-    where = {"cascade": _build.cascade(config.cascade)} if config.band is None else {"band": config.band}
+def _model(
+    config: schema.CalibrationConfig, closure: str, measure: Measure, **changes: float
+) -> fitting.SpectralModel:
     leaves = {"choppiness": config.choppiness, "breaking_wavenumber": config.breaking_wavenumber} | changes
     return fitting.SpectralModel(
         config.threshold,
@@ -99,7 +107,8 @@ def _model(config: schema.CalibrationConfig, closure: str, measure: str, **chang
         spectrum=_build.ConfiguredSea(config.spectrum),
         breaking_wavenumber=leaves["breaking_wavenumber"],
         closure=CLOSURES[closure](measure),
-        **where,
+        band=config.band,
+        cascade=_build.cascade(config.cascade) if config.band is None else None,
     )
 
 
@@ -109,7 +118,7 @@ def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) ->
     if config.free.choppiness:
         prior = fitting.Normal(config.choppiness_prior.mean, config.choppiness_prior.deviation)
         free.append(fitting.Parameter(lambda m: m.choppiness, prior=prior))
-    if config.free.breaking_wavenumber:
+    if config.free.breaking_wavenumber and config.breaking_wavenumber is not None:
         prior = fitting.LogNormal(config.breaking_wavenumber, 0.5)
         free.append(fitting.Parameter(lambda m: m.breaking_wavenumber, prior=prior))
     model = _model(config, closure, config.measure)
@@ -120,26 +129,43 @@ def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) ->
     return Calibration(shared, solve(shared.model, each, targets))
 
 
-def _threshold_table(
-    config: schema.CalibrationConfig, targets: list, progress: Reporter
-) -> dict[str, list[tuple[float, float, float, float]]]:
-    """For both areas: (k_b, ε, its error, RMS) with λ at the centre of its prior and one ε for all winds."""
-    cascade = _build.cascade(config.cascade)
-    highest = cascade.wavenumber_limit if config.band is None else config.band[1]
-    limits = [k for k in config.breaking_wavenumbers if k <= highest * (1 + 1e-9)]
-    table = {}
-    advance = progress.count("Tabling ε against k_b", 2 * len(limits)) if limits else lambda: None
-    for measure in ("projected", "rest"):
-        table[measure] = []
-        for k in limits:
-            model = _model(
-                config, "exact", measure, choppiness=config.choppiness_prior.mean, breaking_wavenumber=k
-            )
-            fit = fitting.fit(model, lambda m: m.threshold, targets, solver=_build.solver(config.solver))
-            rms = float(np.sqrt(np.mean(np.concatenate(list(fit.residuals.values())) ** 2)))
-            table[measure].append((k, fit.values["threshold"], fit.errors["threshold"], rms))
+def _limits(config: schema.CalibrationConfig) -> list[float]:
+    """The breaking wavenumbers of the table that the sea's waves reach."""
+    highest = _build.cascade(config.cascade).wavenumber_limit if config.band is None else config.band[1]
+    return [k for k in config.breaking_wavenumbers if k <= highest * (1 + 1e-9)]
+
+
+def _threshold_row(
+    config: schema.CalibrationConfig, measure: Measure, limits: list[float], targets: list
+) -> list:
+    """(k_b, ε, its error, RMS) for one area, with λ at the centre of its prior and one ε for all winds."""
+    rows = []
+    for k in limits:
+        changes = {"choppiness": config.choppiness_prior.mean, "breaking_wavenumber": k}
+        model = _model(config, "exact", measure, **changes)
+        fit = fitting.fit(model, lambda m: m.threshold, targets, solver=_build.solver(config.solver))
+        rms = float(np.sqrt(np.mean(np.concatenate(list(fit.residuals.values())) ** 2)))
+        rows.append((k, fit.values["threshold"], fit.errors["threshold"], rms))
+    return rows
+
+
+def _all(tasks: Mapping[str, Callable[[], Any]], advance: Callable[[], None]) -> dict[str, Any]:
+    """Results of independent fits, two at a time: most of a first fit is compilation, which is one thread's work."""
+
+    def double(task: Callable[[], Any]) -> Any:
+        with jax.enable_x64(True):
+            return task()
+
+    executor = ThreadPoolExecutor(max_workers=2)
+    try:
+        futures = {executor.submit(double, task): name for name, task in tasks.items()}
+        done = {}
+        for future in as_completed(futures):
+            done[futures[future]] = future.result()
             advance()
-    return table
+        return done
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
 
 
 def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporter) -> Check | None:
@@ -148,7 +174,9 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
         return None
     cascade = _build.cascade(config.cascade)
     model = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model)
+    # The same random numbers at every wind: drawn once, and the points of the curve are comparable.
     keys = jax.random.split(jax.random.key(config.seed), config.realisations)
+    noise = jax.lax.map(partial(jo.surface.draw_noise, cascade), keys, batch_size=BATCH)
     speeds = config.wind.speed
     advance = progress.count(
         f"Counting whitecaps on {len(speeds)} × {config.realisations} FFT seas", len(speeds)
@@ -156,7 +184,7 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
     counted, expected = [], []
     for speed in speeds:
         wind = _build.wind(config.wind, speed=speed)
-        coverage = _count(model, wind, cascade, keys, config.measure, config.shifts)
+        coverage = _count(model, wind, cascade, noise, config.measure, config.shifts)
         counted.append(np.asarray(coverage, float))
         with jax.enable_x64(True):
             expected.append(float(fit.model.coverage(_build.wind(config.wind, speed=speed))))
@@ -166,16 +194,16 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
 
 
 @eqx.filter_jit
-def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, keys, measure: str, shifts: int):
+def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, noise, measure: Measure, shifts: int):
     spectrum = model.spectrum(wind)
 
-    def one(key):
-        fields = jo.surface.realise(spectrum, cascade, key=key).fields(
+    def one(noise):
+        fields = jo.surface.realise(spectrum, cascade, noise=noise).fields(
             0.0, model.choppiness, model.breaking_wavenumber
         )
         return jo.whitecaps.realised_coverage(fields.strain, model.threshold, measure=measure, shifts=shifts)
 
-    return jax.lax.map(one, keys, batch_size=BATCH)
+    return jax.lax.map(one, noise, batch_size=BATCH)
 
 
 def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> Result:

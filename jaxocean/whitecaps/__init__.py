@@ -4,6 +4,7 @@ from . import laws as laws
 from ._closures import AbstractClosure as AbstractClosure
 from ._closures import ExactClosure as ExactClosure
 from ._closures import GaussianClosure as GaussianClosure
+from ._closures import Measure as Measure
 from ._closures import PublishedClosure as PublishedClosure
 from ._jacobian import AbstractBreaking as AbstractBreaking
 from ._jacobian import HardBreaking as HardBreaking
