@@ -1,5 +1,7 @@
 """From sections of a config to jaxocean's objects: the one place that knows both names and classes."""
 
+from collections.abc import Callable
+
 import equinox as eqx
 
 import fitting
@@ -108,7 +110,7 @@ def spreading(config: schema.SpreadingConfig, over: jo.Wind) -> spreadings.Abstr
             return spreadings.ElfouhailySpreading(over)
 
 
-LAWS: dict[str, type[laws.AbstractLaw]] = {
+LAWS: dict[str, Callable[[], laws.AbstractLaw]] = {
     "monahan_1980": laws.Monahan1980,
     "monahan_1980_least_squares": laws.Monahan1980LeastSquares,
     "monahan_1986": laws.MonahanOMuircheartaigh1986,
@@ -130,7 +132,7 @@ def law(name: str) -> laws.AbstractLaw:
     return LAWS[name]()
 
 
-SOLVERS: dict[str, type[fitting.AbstractSolver]] = {
+SOLVERS: dict[str, Callable[[], fitting.AbstractSolver]] = {
     "levenberg_marquardt": fitting.LevenbergMarquardt,
     "gauss_newton": fitting.GaussNewton,
     "dogleg": fitting.Dogleg,

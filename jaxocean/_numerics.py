@@ -1,8 +1,9 @@
 """Numerical helpers that every room needs: leaves, safe derivatives at singular points, quadrature rules."""
 
-import numpy as np
 import jax
+import jax.core
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ._types import FloatLike
@@ -82,14 +83,17 @@ def safe_angle(x: Float[Array, "*s"], y: Float[Array, "*s"]) -> Float[Array, "*s
 
 
 def logarithmic_nodes(
-    lower: float, upper: float, *, panels: int = 24, order: int = 16
+    lower: float, upper: float, *, panels: int | None = None, order: int = 16
 ) -> tuple[np.ndarray, np.ndarray]:
     """Composite Gauss–Legendre rule for ∫ f(k) dk, uniform in log k.
 
-    **Arguments:** `lower`, `upper`: 0 < lower < upper; `panels`, `order`: the rule has their product of nodes.
+    **Arguments:** `lower`, `upper`: 0 < lower < upper; `panels`, `order`: the rule has their product of
+    nodes; by default there are two panels per factor e, enough for the peak of a JONSWAP spectrum.
 
     **Returns:** nodes and weights, float64, with the Jacobian dk = k d(log k) in the weights.
     """
+    if panels is None:
+        panels = max(2, int(np.ceil(2 * np.log(upper / lower))))
     x, w = np.polynomial.legendre.leggauss(order)
     edges = np.linspace(np.log(lower), np.log(upper), panels + 1)
     half = 0.5 * np.diff(edges)[:, None]

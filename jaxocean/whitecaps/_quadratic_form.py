@@ -5,7 +5,7 @@ through the coefficients of three polynomials, so nothing is inverted, decompose
 is no special case.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -146,7 +146,7 @@ def _partial_moments_jvp(primals, tangents):
     shift = s * dlevel[..., None].astype(s.dtype) + dexponent[..., None].astype(s.dtype)
     dprobability = jnp.sum(jnp.imag(weight * (change - shift)), axis=-1)
     dmoment = jnp.sum(jnp.imag(weight * (dk * (change - shift) + change_slope)), axis=-1)
-    none = np.zeros(value.upper.shape, jax.dtypes.float0)
+    none: Any = np.zeros(value.upper.shape, jax.dtypes.float0)
     return value, PartialMoments(dexponent, dprobability, dmoment, none)
 
 
