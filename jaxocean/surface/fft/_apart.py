@@ -13,9 +13,9 @@ T = TypeVar("T")
 def compute_apart(compute: Callable[[], T], sound: Bool[Array, ""]) -> T:
     """The arrays of `compute()` where `sound`, NaN elsewhere.
 
-    On the CPU, XLA would rather fuse cheap arithmetic into each of its users and repeat it there, sines and all,
-    and takes optimisation barriers out before it does. It does not look into a conditional: its results are
-    computed once. Derivatives pass through.
+    On the CPU, XLA would rather fuse cheap arithmetic into each of its users and repeat it there, sines and
+    all, and takes optimisation barriers out before it does. It does not look into a conditional: its
+    results are computed once. Derivatives pass through.
     """
 
     def unsound() -> T:

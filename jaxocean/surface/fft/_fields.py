@@ -19,27 +19,30 @@ class Fields(eqx.Module):
     them, and under `jit` only what is used is unpacked.
     """
 
-    packed: Complex[Array, "pattern plane y x"]
+    packed: Complex[Array, "*b pattern plane y x"]
 
     @property
-    def height(self) -> Float[Array, "pattern y x"]:
+    def height(self) -> Float[Array, "*b pattern y x"]:
         """Height η [m]."""
-        return self.packed[:, 0].real
+        return self._plane(0).real
 
     @property
-    def displacement(self) -> Float[Array, "pattern y x 2"]:
+    def displacement(self) -> Float[Array, "*b pattern y x 2"]:
         """Horizontal displacement λ(u, v) [m]."""
-        return jnp.stack([self.packed[:, 0].imag, self.packed[:, 1].imag], axis=-1)
+        return jnp.stack([self._plane(0).imag, self._plane(1).imag], axis=-1)
 
     @property
-    def slope(self) -> Float[Array, "pattern y x 2"]:
+    def slope(self) -> Float[Array, "*b pattern y x 2"]:
         """Slope (∂η/∂x, ∂η/∂y) [-] on the rest plane."""
-        return jnp.stack([self.packed[:, 2].imag, self.packed[:, 3].imag], axis=-1)
+        return jnp.stack([self._plane(2).imag, self._plane(3).imag], axis=-1)
 
     @property
-    def strain(self) -> Float[Array, "pattern y x 3"]:
+    def strain(self) -> Float[Array, "*b pattern y x 3"]:
         """Strain (a, b, c) = λ(∂u/∂x, ∂v/∂y, ∂u/∂y) [-], low-passed at the breaking wavenumber."""
-        return jnp.stack([self.packed[:, 2].real, self.packed[:, 3].real, self.packed[:, 1].real], axis=-1)
+        return jnp.stack([self._plane(2).real, self._plane(3).real, self._plane(1).real], axis=-1)
+
+    def _plane(self, number: int) -> Complex[Array, "*b pattern y x"]:
+        return self.packed[..., number, :, :]
 
 
 class Filters(eqx.Module):

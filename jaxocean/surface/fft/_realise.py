@@ -3,6 +3,7 @@
 import math
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, PRNGKeyArray, UInt32
 
@@ -75,6 +76,7 @@ def _realise(
     noise = noise.astype(jnp.complex64 if dtype == jnp.float32 else jnp.complex128)
     amplitude = scale(noise, safe_sqrt(0.5 * cell_energy(spectrum, cascade)))
     opposite = jnp.roll(jnp.flip(jnp.conj(amplitude), (-2, -1)), 1, (-2, -1))
+    dispersion = jax.tree.map(lambda leaf: leaf.astype(dtype), dispersion)
     rate, ticks = wave_rate(cascade, dispersion, repeat_period, dtype)
     return Sea(
         cascade=cascade,

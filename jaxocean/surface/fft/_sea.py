@@ -11,8 +11,8 @@ from ..._types import PerPattern, Scalar, ScalarLike
 from ...spectra import AbstractSpectrum, Dispersion
 from .._inverse import RestPoint, Sample, highest_root, implicit_offset
 from .._protocol import AbstractSurface, Points
-from ._cascade import Cascade
 from ._apart import compute_apart
+from ._cascade import Cascade
 from ._choppiness import pattern_choppiness
 from ._complex import scale, turn
 from ._fields import Fields, Filters, transform, wave_filters
@@ -186,16 +186,16 @@ def _invert(
     def unpack(values: Float[Array, "*s 6"]) -> Sample:
         return Sample(values[..., :2], values[..., 2:5], values[..., 5])
 
-    def rough(offset: Float[Array, "s p 2"]) -> Sample:
-        return unpack(interpolate_grids(grids, fixed_points[:, None] + offset, sea.cascade))
+    def rough(which: Int[Array, " p"], offset: Float[Array, "s p 2"]) -> Sample:
+        return unpack(interpolate_grids(grids, fixed_points[:, None, which] + offset, sea.cascade))
 
-    def exact(offset: Float[Array, "s p 2"]) -> Sample:
-        return unpack(sum_waves(fixed_table, fixed_points[:, None] + offset, sea.cascade))
+    def exact(which: Int[Array, " p"], offset: Float[Array, "s p 2"]) -> Sample:
+        return unpack(sum_waves(fixed_table, fixed_points[:, None, which] + offset, sea.cascade))
 
     variance = jnp.sum(choppiness[:, None, None] ** 2 * jnp.abs(sea.cosine) ** 2)
     scale = jax.lax.stop_gradient(safe_sqrt(variance))
-    root, residual = jax.lax.stop_gradient(highest_root(rough, exact, points.shape[1], scale))
     tolerance = 1e-5 * scale if points.dtype == jnp.float32 else 1e-10 * scale
+    root, residual = jax.lax.stop_gradient(highest_root(rough, exact, points.shape[1], scale, tolerance))
 
     offset = implicit_offset(root, unpack(sum_waves(table, points + root, sea.cascade)))
     height = sum_waves(table, points + offset, sea.cascade)[..., 5]
