@@ -1,8 +1,8 @@
 """Bounds as bijections: a solver moves freely over the real line, its parameter never leaves its range."""
 
 import abc
+from dataclasses import dataclass
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,7 +16,7 @@ INSIDE = 1 - 1e-7
 """How much of an interval can be reached: its ends themselves may be singular (a sea of choppiness 0)."""
 
 
-class AbstractBounds(eqx.Module):
+class AbstractBounds(abc.ABC):
     """A smooth map from the real line onto the range of a parameter, and its inverse."""
 
     @abc.abstractmethod
@@ -44,6 +44,7 @@ class AbstractBounds(eqx.Module):
         """The range in words."""
 
 
+@dataclass(frozen=True)
 class Real(AbstractBounds):
     """No bounds: x ↦ x."""
 
@@ -66,6 +67,7 @@ class Real(AbstractBounds):
         return "any real number"
 
 
+@dataclass(frozen=True)
 class Positive(AbstractBounds):
     """Greater than a lower bound.
 
@@ -74,7 +76,7 @@ class Positive(AbstractBounds):
     **Arguments:** `lower`, 0 by default, in the unit of the parameter.
     """
 
-    lower: float | int = eqx.field(static=True, default=0.0)
+    lower: float | int = 0.0
 
     def constrain(self, free: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return self.lower + jnp.exp(free)
@@ -96,6 +98,7 @@ class Positive(AbstractBounds):
         return f"greater than {self.lower:g}"
 
 
+@dataclass(frozen=True)
 class Interval(AbstractBounds):
     """Between two bounds.
 
@@ -109,10 +112,10 @@ class Interval(AbstractBounds):
     **Raises:** `ValueError` if they are not finite and in order.
     """
 
-    lower: float | int = eqx.field(static=True)
-    upper: float | int = eqx.field(static=True)
+    lower: float | int
+    upper: float | int
 
-    def __check_init__(self) -> None:
+    def __post_init__(self) -> None:
         if not -np.inf < self.lower < self.upper < np.inf:
             raise ValueError(
                 "Arguments `lower` and `upper` of an interval must be finite with lower < upper, "

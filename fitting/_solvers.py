@@ -1,15 +1,15 @@
 """How a fit moves downhill: optimistix solvers with tolerances that suit float64."""
 
 import abc
+from dataclasses import dataclass
 
-import equinox as eqx
 import optimistix as optx
 
 
-class AbstractSolver(eqx.Module):
+class AbstractSolver(abc.ABC):
     """A choice of solver with its tolerances and the most steps that it may take."""
 
-    steps: eqx.AbstractVar[int]
+    steps: int
 
     @abc.abstractmethod
     def build(self) -> optx.AbstractLeastSquaresSolver | optx.AbstractMinimiser:
@@ -20,12 +20,13 @@ class AbstractSolver(eqx.Module):
         """Its name."""
 
 
+@dataclass(frozen=True)
 class LevenbergMarquardt(AbstractSolver):
     """Damped Gauss–Newton steps: the right choice for nearly every fit."""
 
-    rtol: float = eqx.field(static=True, default=1e-8)
-    atol: float = eqx.field(static=True, default=1e-8)
-    steps: int = eqx.field(static=True, default=256)
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    steps: int = 256
 
     def build(self) -> optx.AbstractLeastSquaresSolver:
         return optx.LevenbergMarquardt(self.rtol, self.atol)
@@ -34,12 +35,13 @@ class LevenbergMarquardt(AbstractSolver):
         return "Levenberg-Marquardt"
 
 
+@dataclass(frozen=True)
 class GaussNewton(AbstractSolver):
     """Undamped steps: fastest near a solution, may diverge far from one."""
 
-    rtol: float = eqx.field(static=True, default=1e-8)
-    atol: float = eqx.field(static=True, default=1e-8)
-    steps: int = eqx.field(static=True, default=256)
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    steps: int = 256
 
     def build(self) -> optx.AbstractLeastSquaresSolver:
         return optx.GaussNewton(self.rtol, self.atol)
@@ -48,12 +50,13 @@ class GaussNewton(AbstractSolver):
         return "Gauss-Newton"
 
 
+@dataclass(frozen=True)
 class Dogleg(AbstractSolver):
     """Gauss–Newton steps inside a region of trust."""
 
-    rtol: float = eqx.field(static=True, default=1e-8)
-    atol: float = eqx.field(static=True, default=1e-8)
-    steps: int = eqx.field(static=True, default=256)
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    steps: int = 256
 
     def build(self) -> optx.AbstractLeastSquaresSolver:
         return optx.Dogleg(self.rtol, self.atol)
@@ -62,12 +65,13 @@ class Dogleg(AbstractSolver):
         return "dogleg"
 
 
+@dataclass(frozen=True)
 class BFGS(AbstractSolver):
     """A quasi-Newton minimiser: for many parameters, or a likelihood that is far from a sum of squares."""
 
-    rtol: float = eqx.field(static=True, default=1e-8)
-    atol: float = eqx.field(static=True, default=1e-8)
-    steps: int = eqx.field(static=True, default=512)
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    steps: int = 512
 
     def build(self) -> optx.AbstractMinimiser:
         return optx.BFGS(self.rtol, self.atol)
@@ -76,12 +80,13 @@ class BFGS(AbstractSolver):
         return "BFGS"
 
 
+@dataclass(frozen=True)
 class LBFGS(AbstractSolver):
     """BFGS that remembers a few steps only: for very many parameters."""
 
-    rtol: float = eqx.field(static=True, default=1e-8)
-    atol: float = eqx.field(static=True, default=1e-8)
-    steps: int = eqx.field(static=True, default=512)
+    rtol: float = 1e-8
+    atol: float = 1e-8
+    steps: int = 512
 
     def build(self) -> optx.AbstractMinimiser:
         return optx.LBFGS(self.rtol, self.atol)
@@ -90,12 +95,13 @@ class LBFGS(AbstractSolver):
         return "L-BFGS"
 
 
+@dataclass(frozen=True)
 class NelderMead(AbstractSolver):
     """A simplex that needs no derivatives: slow, for models without a useful slope."""
 
-    rtol: float = eqx.field(static=True, default=1e-7)
-    atol: float = eqx.field(static=True, default=1e-7)
-    steps: int = eqx.field(static=True, default=2000)
+    rtol: float = 1e-7
+    atol: float = 1e-7
+    steps: int = 2000
 
     def build(self) -> optx.AbstractMinimiser:
         return optx.NelderMead(self.rtol, self.atol)

@@ -51,6 +51,11 @@ def test_a_singular_fit_still_has_finite_derivatives():
     assert float(jax.grad(fitted)(2e-5)) == pytest.approx(1 / 2e-5, rel=1e-5)
 
 
+def test_fits_can_be_batched():
+    scales = jnp.asarray([3.84e-6, 5e-6])
+    np.testing.assert_allclose(jax.vmap(exponent)(scales), [exponent(scale) for scale in scales], rtol=1e-9)
+
+
 def test_single_precision_is_refused_in_words():
     model = jax.tree.map(lambda leaf: leaf.astype(jnp.float32), PowerSea())
     with pytest.raises(ValueError, match="`exponent` must be float64 to be fitted, but is float32"):

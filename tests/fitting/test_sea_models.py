@@ -78,6 +78,20 @@ def test_each_wind_can_have_its_own_threshold(monahan):
     assert fit.values["threshold"][0] < fit.values["threshold"][-1] - 0.1
 
 
+def test_the_fitted_threshold_follows_the_law_it_is_fitted_to():
+    model = reference_sea(closure=GaussianClosure("rest"))
+
+    def fitted(scale):
+        law = laws.Monahan1980(coefficient=3.84e-6 * scale)
+        return fitting.solve_values(model, threshold, fitting.CoverageLaw(law, WINDS))["threshold"]
+
+    slope = float(jax.jit(jax.grad(fitted))(1.0))
+    step = 1e-3
+    expected = float((fitted(1 + step) - fitted(1 - step)) / (2 * step))
+    assert slope == pytest.approx(expected, rel=1e-5)
+    assert slope > 0
+
+
 def test_preparing_changes_no_number():
     wind = Wind(11.0, 0.4)
     cascade = Cascade((200.0, 31.0), 64)
