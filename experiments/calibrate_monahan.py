@@ -26,6 +26,8 @@ from ._result import Result, Table
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
 MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
+FIXED = 1e-4
+"""Deviation of the prior on a choppiness that is not to move."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,7 @@ def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> R
     """Calibrate a sea to whitecap laws; see `schema.CalibrationConfig`."""
     with jax.enable_x64(True):
         targets = _targets(config)
-    limits = _limits(config)
-    tasks = {name: partial(_calibrate, config, name, targets) for name in CLOSURES}
-    if limits:
-        tasks |= {measure: partial(_threshold_row, config, measure, limits, targets) for measure in MEASURES}
-    done = _all(tasks, progress.count("Fitting: both closures, and ε against k_b", len(tasks)))
+    done = _fit_all(config, targets, progress)
     calibrations = {name: done[name] for name in CLOSURES}
     table = {measure: done.get(measure, []) for measure in MEASURES}
     check = _check(config, calibrations["exact"].shared, progress) if config.realisations else None
@@ -114,10 +112,7 @@ def _model(
 
 def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) -> Calibration:
     """One ε (and λ, and k_b) for all winds; then, with these, one ε for each wind."""
-    free = [fitting.Parameter(lambda m: m.threshold)]
-    if config.free.choppiness:
-        prior = fitting.Normal(config.choppiness_prior.mean, config.choppiness_prior.deviation)
-        free.append(fitting.Parameter(lambda m: m.choppiness, prior=prior))
+    free = _free(config, config.choppiness_prior.deviation)
     if config.free.breaking_wavenumber and config.breaking_wavenumber is not None:
         prior = fitting.LogNormal(config.breaking_wavenumber, 0.5)
         free.append(fitting.Parameter(lambda m: m.breaking_wavenumber, prior=prior))
@@ -127,6 +122,15 @@ def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) ->
     shared = solve(model, free, targets, starts=config.starts, key=key)
     each = fitting.Parameter(lambda m: m.threshold, per_wind=True)
     return Calibration(shared, solve(shared.model, each, targets))
+
+
+def _free(config: schema.CalibrationConfig, deviation: float) -> list[fitting.Parameter]:
+    """ε, and λ with this much freedom around the centre of its prior."""
+    free = [fitting.Parameter(lambda m: m.threshold)]
+    if config.free.choppiness:
+        prior = fitting.Normal(config.choppiness_prior.mean, deviation)
+        free.append(fitting.Parameter(lambda m: m.choppiness, prior=prior))
+    return free
 
 
 def _limits(config: schema.CalibrationConfig) -> list[float]:
@@ -143,27 +147,39 @@ def _threshold_row(
     for k in limits:
         changes = {"choppiness": config.choppiness_prior.mean, "breaking_wavenumber": k}
         model = _model(config, "exact", measure, **changes)
-        fit = fitting.fit(model, lambda m: m.threshold, targets, solver=_build.solver(config.solver))
+        # λ is held by a narrow prior instead of being fixed: this is the shared fit's compiled program once more.
+        fit = fitting.fit(model, _free(config, FIXED), targets, solver=_build.solver(config.solver))
         rms = float(np.sqrt(np.mean(np.concatenate(list(fit.residuals.values())) ** 2)))
         rows.append((k, fit.values["threshold"], fit.errors["threshold"], rms))
     return rows
 
 
-def _all(tasks: Mapping[str, Callable[[], Any]], advance: Callable[[], None]) -> dict[str, Any]:
-    """Results of independent fits, two at a time: most of a first fit is compilation, which is one thread's work."""
+def _fit_all(config: schema.CalibrationConfig, targets: list, progress: Reporter) -> dict[str, Any]:
+    """All fits by name, in two threads: most of a first fit is compilation, which keeps one core busy.
 
-    def double(task: Callable[[], Any]) -> Any:
-        with jax.enable_x64(True):
-            return task()
+    What shares a compiled program is done one after the other in the same thread.
+    """
+    limits = _limits(config)
+    other: Measure = "rest" if config.measure == "projected" else "projected"
+    chains = tuple(
+        {closure: partial(_calibrate, config, closure, targets)}
+        | ({measure: partial(_threshold_row, config, measure, limits, targets)} if limits else {})
+        for closure, measure in zip(CLOSURES, (config.measure, other), strict=True)
+    )
+    advance = progress.count("Fitting: both closures, and ε against k_b", sum(map(len, chains)))
 
-    executor = ThreadPoolExecutor(max_workers=2)
-    try:
-        futures = {executor.submit(double, task): name for name, task in tasks.items()}
+    def work(chain: Mapping[str, Callable[[], Any]]) -> dict[str, Any]:
         done = {}
-        for future in as_completed(futures):
-            done[futures[future]] = future.result()
-            advance()
+        with jax.enable_x64(True):
+            for name, task in chain.items():
+                done[name] = task()
+                advance()
         return done
+
+    executor = ThreadPoolExecutor(max_workers=len(chains))
+    try:
+        futures = [executor.submit(work, chain) for chain in chains]
+        return {name: result for future in as_completed(futures) for name, result in future.result().items()}
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 
@@ -196,14 +212,15 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
 @eqx.filter_jit
 def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, noise, measure: Measure, shifts: int):
     spectrum = model.spectrum(wind)
+    # All seas at once up to their amplitudes, so that the spectrum is sampled once; then one after the other.
+    seas = eqx.filter_vmap(lambda one: jo.surface.realise(spectrum, cascade, noise=one))(noise)
+    arrays, rest = eqx.partition(seas, eqx.is_array)
 
-    def one(noise):
-        fields = jo.surface.realise(spectrum, cascade, noise=noise).fields(
-            0.0, model.choppiness, model.breaking_wavenumber
-        )
+    def coverage(one):
+        fields = eqx.combine(one, rest).fields(0.0, model.choppiness, model.breaking_wavenumber)
         return jo.whitecaps.realised_coverage(fields.strain, model.threshold, measure=measure, shifts=shifts)
 
-    return jax.lax.map(one, noise, batch_size=BATCH)
+    return jax.lax.map(coverage, arrays)
 
 
 def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> Result:

@@ -106,7 +106,7 @@ class CalibrationConfig(ExperimentConfig):
         within="each > 0",
     )
     realisations: int = key(64, meaning="FFT seas that check the result; 0 for none", ge=0, le=100_000)
-    shifts: int = key(4, meaning="arrangements of the patterns counted in each sea", ge=1, le=64)
+    shifts: int = key(2, meaning="arrangements of the patterns counted in each sea", ge=1, le=64)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

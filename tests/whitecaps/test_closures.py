@@ -60,7 +60,9 @@ def test_mean_of_the_jacobian_is_one_and_its_variance_is_that_of_monte_carlo():
 
 
 def test_skewness_of_the_jacobian_is_that_of_its_density_and_grows_with_the_sea():
-    stats_of = [sea_statistics(speed, direction=0.3) for speed in (5.0, 20.0)] + [ordinary(mean=(0.1, -0.2, 0.05))]
+    stats_of = [sea_statistics(speed, direction=0.3) for speed in (5.0, 20.0)] + [
+        ordinary(mean=(0.1, -0.2, 0.05))
+    ]
     for sea in stats_of:
         deviation = jnp.sqrt(sea.jacobian_variance())
         j = jnp.linspace(sea.jacobian_mean() - 9 * deviation, sea.jacobian_mean() + 14 * deviation, 1500)
@@ -360,3 +362,13 @@ def test_single_precision_agrees_with_double():
         ]
         assert single[0][0].dtype == jnp.float32
     np.testing.assert_allclose(single, double, rtol=2e-3)
+
+
+def test_derivative_is_right_for_thresholds_just_above_zero():
+    # There a path may run far before exp(−sε) decides to which side it must bend.
+    assert_gradient_matches(
+        lambda x: REST.log(ordinary(scale=1.5 + 0 * x[0]), x[0]),
+        [[1e-4], [1e-3], [0.02]],
+        rtol=1e-5,
+        step=2e-5,
+    )
