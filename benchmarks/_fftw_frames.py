@@ -33,7 +33,7 @@ class HalfPlane:
         opposite = np.roll(np.flip(amplitude.conj(), (-2, -1)), 1, (-2, -1))
         self.shape = (cascade.count, FIELDS, n, half)
         self.output = (cascade.count, FIELDS, n, n)
-        self.omega = (2 * np.pi * np.asarray(sea.rate)[..., :half]).astype(np.float32)
+        self.omega = np.asarray(sea.frequency)[..., :half].astype(np.float32)
         self.forth = np.ascontiguousarray(amplitude[..., :half])
         self.back = np.ascontiguousarray(opposite[..., :half])
         self.even = np.stack(even, axis=1).astype(np.float32)

@@ -54,7 +54,7 @@ def test_a_loop_closes_exactly(period, which):
     tolerance = 1e-11 if which == 0 else 1e-5
     assert np.max(np.abs(start.strain - later.strain)) < tolerance * scale
     assert np.max(np.abs(start.strain - sea.fields(1.25 + 0.5 * period).strain)) > 0.1 * scale
-    traced = jax.jit(lambda t: sea.fields(t).strain)(jnp.asarray(1.25 + 3 * period, sea.rate.dtype))
+    traced = jax.jit(lambda t: sea.fields(t).strain)(jnp.asarray(1.25 + 3 * period, sea.frequency.dtype))
     assert np.max(np.abs(traced - start.strain)) < (1e-11 if which == 0 else 1e-3) * scale
 
 
@@ -68,7 +68,7 @@ def test_a_long_repeat_period_changes_the_sea_little():
 def test_time_derivatives_of_a_float32_sea_are_those_of_the_float64_sea(seas):
     rates = []
     for sea in seas:
-        dtype = sea.rate.dtype
+        dtype = sea.frequency.dtype
 
         def probe(t, sea=sea, dtype=dtype):
             return sea.height(jnp.asarray([3.0, 4.0], dtype), t)

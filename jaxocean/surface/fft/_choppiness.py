@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -16,9 +17,12 @@ def pattern_choppiness(choppiness: PerPattern, count: int) -> Float[Array, " pat
     **Raises:** `ValueError` unless there is one number, or one for each pattern, and all are finite.
     """
     if isinstance(choppiness, Sequence):
-        values = jnp.stack([as_leaf(value) for value in choppiness]) if choppiness else jnp.zeros(0)
+        arrays = any(isinstance(value, jax.Array) for value in choppiness)
+        values = (
+            jnp.stack([as_leaf(value) for value in choppiness]) if arrays else np.asarray(choppiness, float)
+        )
     else:
-        values = as_leaf(choppiness)
+        values = choppiness if isinstance(choppiness, jax.Array) else np.asarray(choppiness)
     if values.ndim > 1 or (values.ndim == 1 and values.shape[0] != count):
         raise ValueError(
             f"Argument `choppiness` must be one number or one for each of the {count} patterns, "
@@ -26,4 +30,6 @@ def pattern_choppiness(choppiness: PerPattern, count: int) -> Float[Array, " pat
         )
     if is_concrete(values) and not np.all(np.isfinite(values)):
         raise ValueError(f"Argument `choppiness` must be finite, but is {values}.")
-    return jnp.broadcast_to(values, (count,))
+    if isinstance(values, np.ndarray):
+        return as_leaf(np.broadcast_to(values, (count,)))
+    return jnp.broadcast_to(as_leaf(values), (count,))

@@ -1,15 +1,21 @@
 """All fields of a sea at one time, from one batched inverse FFT."""
 
+from functools import partial
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from ..._types import Scalar
 from ...spectra import breaking_filter
+from ._apart import compute_apart
 from ._cascade import Cascade
 from ._cells import lattice_indices
 from ._complex import scale, turn
+from ._evolve import Waves, height_spectrum
+from ._phase import Clock
 
 
 class Fields(eqx.Module):
@@ -89,17 +95,48 @@ def wave_filters(
     return Filters(kx, ky, inverse, strain)
 
 
-def transform(spectrum: Complex[Array, "pattern y x"], filters: Filters) -> Fields:
-    """Fields from the height spectrum ĥ(k, t), ordered as the FFT wants it.
+def fields_of_waves(
+    cascade: Cascade,
+    waves: Waves,
+    clock: Clock,
+    choppiness: Float[Array, " pattern"],
+    breaking_wavenumber: Scalar | None,
+) -> Fields:
+    """All fields at the time of `clock`, for choppiness λ_i and a breaking wavenumber k_b [rad/m] or None.
+
+    Two programs, unless the caller compiles them into one: on the CPU, XLA runs a transform on all cores only
+    where it is the first thing that a program does.
+    """
+    return Fields(_transform(_pack(cascade, waves, clock, choppiness, breaking_wavenumber)))
+
+
+@partial(jax.jit, static_argnums=0)
+def _pack(
+    cascade: Cascade,
+    waves: Waves,
+    clock: Clock,
+    choppiness: Float[Array, " pattern"],
+    breaking_wavenumber: Scalar | None,
+) -> Complex[Array, "pattern plane y x"]:
+    """Spectra of pairs of fields, (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
 
     An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real
-    factor, F̂ + iĜ is ĥ times a real number: pairs are (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
+    factor of ĥ, F̂ + iĜ is ĥ times a real number.
     """
+
+    def evolve() -> tuple[Complex[Array, "pattern y x"], Filters]:
+        return height_spectrum(waves, clock), wave_filters(cascade, choppiness, breaking_wavenumber)
+
+    spectrum, filters = compute_apart(evolve, jnp.isfinite(clock.seconds))
     kx, ky, inverse, strain = (f[:, None] for f in (filters.kx, filters.ky, filters.inverse, filters.strain))
     # One expression for the four planes, with unit vectors along their axis, is one loop that vectorises:
-    # stacked arrays would be four, with a branch at every element.
-    height_u, c_v, a_x, b_y = jnp.eye(4, dtype=kx.dtype)[..., None, None]
+    # stacked arrays would be four, with a branch at every element. The N² undoes that of the inverse transform.
+    height_u, c_v, a_x, b_y = cascade.resolution**2 * jnp.eye(4, dtype=kx.dtype)[..., None, None]
     along_x = inverse * height_u + strain * (kx * a_x + ky * c_v) + a_x
     along_y = inverse * c_v + strain * (ky * b_y) + b_y
-    factors = height_u - kx * along_x - ky * along_y
-    return Fields(jnp.fft.ifft2(scale(spectrum[:, None], factors), norm="forward"))
+    return scale(spectrum[:, None], height_u - kx * along_x - ky * along_y)
+
+
+@jax.jit
+def _transform(planes: Complex[Array, "pattern plane y x"]) -> Complex[Array, "pattern plane y x"]:
+    return jnp.fft.ifft2(planes)

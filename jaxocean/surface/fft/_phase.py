@@ -1,6 +1,8 @@
 """The phase ωt of every wave, exact to float32 rounding however long the sea has run."""
 
 import math
+from functools import partial
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +10,6 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..._constants import GRAVITY
-from ..._numerics import is_concrete
 from ..._types import Scalar, ScalarLike
 from ...spectra import Dispersion
 from ._cascade import Cascade
@@ -17,20 +18,16 @@ from ._cells import lattice_indices
 TURN = 2.0**32  # one turn in the units of whole-number phases, whose overflow is then free of charge
 
 
-class Clock:
+class Clock(NamedTuple):
     """A time, split into whole beats and the rest.
 
     In float32 the phase is `ticks · beats` modulo 2³² in whole numbers plus `rate · rest`: neither loses
     digits.
     """
 
-    def __init__(self, beats: Int[Array, ""], rest: Scalar, seconds: Scalar) -> None:
-        self.beats, self.rest, self.seconds = beats, rest, seconds
-
-
-jax.tree_util.register_pytree_node(
-    Clock, lambda c: ((c.beats, c.rest, c.seconds), None), lambda _, leaves: Clock(*leaves)
-)
+    beats: Int[Array, ""] | np.int32
+    rest: Scalar | np.floating
+    seconds: Scalar | np.floating
 
 
 def split_time(time: ScalarLike, repeat_period: float | None, dtype: jnp.dtype) -> Clock:
@@ -38,17 +35,23 @@ def split_time(time: ScalarLike, repeat_period: float | None, dtype: jnp.dtype) 
 
     A plain Python number is split in double precision, before it becomes an array.
     """
-    if is_concrete(time) and not isinstance(time, jax.Array):
-        seconds = float(time)
-        if not math.isfinite(seconds):
-            raise ValueError(f"Argument `time` must be finite, but is {seconds} s.")
-        if repeat_period is not None:
-            seconds = seconds % repeat_period
-            beats = round(seconds / repeat_period * TURN) % int(TURN)
-            return Clock(_wrap(beats), jnp.zeros((), dtype), jnp.asarray(seconds, dtype))
-        whole = round(seconds)
-        return Clock(_wrap(whole), jnp.asarray(seconds - whole, dtype), jnp.asarray(seconds, dtype))
-    seconds = jnp.asarray(time).astype(dtype)
+    if isinstance(time, jax.Array):
+        return _split_array(time, repeat_period, jnp.dtype(dtype))
+    seconds = float(time)
+    if not math.isfinite(seconds):
+        raise ValueError(f"Argument `time` must be finite, but is {seconds} s.")
+    number = np.dtype(dtype).type
+    if repeat_period is not None:
+        seconds = seconds % repeat_period
+        beats = round(seconds / repeat_period * TURN)
+        return Clock(_wrap(beats), number(0), number(seconds))
+    whole = round(seconds)
+    return Clock(_wrap(whole), number(seconds - whole), number(seconds))
+
+
+@partial(jax.jit, static_argnums=(1, 2))
+def _split_array(time: Scalar, repeat_period: float | None, dtype: jnp.dtype) -> Clock:
+    seconds = time.astype(dtype)
     if repeat_period is not None:
         seconds = seconds - jax.lax.stop_gradient(jnp.floor(seconds / repeat_period)) * repeat_period
         part = jax.lax.stop_gradient(seconds) / repeat_period
@@ -61,8 +64,8 @@ def split_time(time: ScalarLike, repeat_period: float | None, dtype: jnp.dtype) 
     return Clock(whole.astype(jnp.int32), seconds - whole, seconds)
 
 
-def _wrap(number: int) -> Int[Array, ""]:
-    return jnp.asarray(np.uint32(number % int(TURN)).astype(np.int32))
+def _wrap(number: int) -> np.int32:
+    return np.uint32(number % int(TURN)).astype(np.int32)
 
 
 def phase(rate: Float[Array, "*s"], ticks: Int[Array, "*s"] | None, clock: Clock) -> Float[Array, "*s"]:

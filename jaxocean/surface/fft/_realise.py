@@ -12,6 +12,7 @@ from ...spectra import AbstractSpectrum, Dispersion
 from ._cascade import Cascade
 from ._cells import cell_energy
 from ._complex import scale, turn
+from ._evolve import Waves
 from ._noise import draw_noise
 from ._phase import wave_rate
 from ._sea import Sea
@@ -84,8 +85,5 @@ def _realise(
         dispersion=dispersion,
         noise=noise,
         repeat_period=repeat_period,
-        cosine=amplitude + opposite,
-        sine=turn(opposite - amplitude),
-        rate=rate,
-        ticks=ticks,
+        waves=Waves(amplitude + opposite, turn(opposite - amplitude), rate, ticks),
     )

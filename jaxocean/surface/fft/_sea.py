@@ -11,14 +11,13 @@ from ..._types import PerPattern, Scalar, ScalarLike
 from ...spectra import AbstractSpectrum, Dispersion
 from .._inverse import RestPoint, Sample, highest_root, implicit_offset
 from .._protocol import AbstractSurface, Points
-from ._apart import compute_apart
 from ._cascade import Cascade
 from ._choppiness import pattern_choppiness
-from ._complex import scale, turn
-from ._fields import Fields, Filters, transform, wave_filters
-from ._phase import Clock, phase, split_time
+from ._complex import turn
+from ._evolve import Waves, height_spectrum
+from ._fields import Fields, fields_of_waves, wave_filters
+from ._phase import Clock, split_time
 from ._points import interpolate_grids, reduce_points, sum_waves, wave_table
-from ._sincos import sincos_turns
 
 
 class Sea(AbstractSurface):
@@ -41,15 +40,17 @@ class Sea(AbstractSurface):
     dispersion: Dispersion
     noise: Complex[Array, "pattern y x"]
     repeat_period: float | None = eqx.field(static=True)
-    cosine: Complex[Array, "pattern y x"]  # ĥ = cosine · cos ωt + sine · sin ωt
-    sine: Complex[Array, "pattern y x"]
-    rate: Float[Array, "pattern y x"]  # ω/2π [1/s]
-    ticks: Int[Array, "pattern y x"] | None  # the same in whole numbers, see `_phase`
+    waves: Waves
 
     @property
     def amplitude(self) -> Complex[Array, "pattern y x"]:
         """h0(k) [m], in the order of the FFT."""
-        return 0.5 * (self.cosine + turn(self.sine))
+        return 0.5 * (self.waves.cosine + turn(self.waves.sine))
+
+    @property
+    def frequency(self) -> Float[Array, "pattern y x"]:
+        """ω(k) [rad/s], in the order of the FFT."""
+        return 2 * np.pi * self.waves.rate
 
     def fields(
         self, time: ScalarLike, choppiness: PerPattern = 1.0, breaking_wavenumber: ScalarLike | None = None
@@ -63,7 +64,8 @@ class Sea(AbstractSurface):
 
         **Raises:** `ValueError` for more or fewer λ than patterns, or a time or k_b that makes no sense.
         """
-        return _fields(self, *self._arguments(time, choppiness, breaking_wavenumber))
+        arguments = self._arguments(time, choppiness, breaking_wavenumber)
+        return fields_of_waves(self.cascade, self.waves, *arguments)
 
     def height(self, p: Points, time: ScalarLike) -> Float[Array, "*b"]:
         """Height η [m] over the rest points `p` (x, y) [m] at time t [s]."""
@@ -99,7 +101,7 @@ class Sea(AbstractSurface):
         **Returns:** a `RestPoint` with the point, its offset p − x, what remains of |p + D(p) − x|, and
         whether that is small enough: no place is given up, and none is silently wrong.
         """
-        places = reduce_points(x, self.cascade, self.rate.dtype)
+        places = reduce_points(x, self.cascade, self.waves.rate.dtype)
         clock, lam, _ = self._arguments(time, choppiness, None)
         offset, residual, tolerance, _ = _invert(self, places, clock, lam)
         near = jnp.asarray(x)
@@ -110,7 +112,7 @@ class Sea(AbstractSurface):
 
         **Arguments** and the choice between several heights: as in `rest_point`.
         """
-        places = reduce_points(x, self.cascade, self.rate.dtype)
+        places = reduce_points(x, self.cascade, self.waves.rate.dtype)
         clock, lam, _ = self._arguments(time, choppiness, None)
         return _invert(self, places, clock, lam)[3]
 
@@ -120,17 +122,12 @@ class Sea(AbstractSurface):
 
     def slope_bound(self) -> Scalar:
         """Σ 2|k||h0| [-]: |∇η| is never more, however the waves meet."""
-        filters = wave_filters(self.cascade, jnp.ones(self.cascade.count, self.rate.dtype), None)
+        filters = wave_filters(self.cascade, jnp.ones(self.cascade.count, self.waves.rate.dtype), None)
         return jnp.sum(2 * jnp.hypot(filters.kx, filters.ky) * jnp.abs(self.amplitude))
-
-    def height_spectrum(self, clock: Clock) -> Complex[Array, "pattern y x"]:
-        """ĥ(k, t) [m] in the order of the FFT."""
-        sine, cosine = sincos_turns(phase(self.rate, self.ticks, clock))
-        return scale(self.cosine, cosine) + scale(self.sine, sine)
 
     def _arguments(self, time: ScalarLike, choppiness: PerPattern, breaking_wavenumber: ScalarLike | None):
         """Arguments as arrays of the sea's own type, checked."""
-        dtype = self.rate.dtype
+        dtype = self.waves.rate.dtype
         clock = split_time(time, self.repeat_period, dtype)
         if breaking_wavenumber is not None:
             if is_concrete(breaking_wavenumber) and not np.all(np.asarray(breaking_wavenumber) > 0):
@@ -142,18 +139,8 @@ class Sea(AbstractSurface):
         return clock, pattern_choppiness(choppiness, self.cascade.count).astype(dtype), breaking_wavenumber
 
     def _query(self, names, p, time, choppiness, breaking_wavenumber) -> Float[Array, "*b field"]:
-        places = reduce_points(p, self.cascade, self.rate.dtype)
+        places = reduce_points(p, self.cascade, self.waves.rate.dtype)
         return _query(self, names, places, *self._arguments(time, choppiness, breaking_wavenumber))
-
-
-@eqx.filter_jit
-def _fields(
-    sea: Sea, clock: Clock, choppiness: Float[Array, " n"], breaking_wavenumber: Scalar | None
-) -> Fields:
-    def waves() -> tuple[Complex[Array, "pattern y x"], Filters]:
-        return sea.height_spectrum(clock), wave_filters(sea.cascade, choppiness, breaking_wavenumber)
-
-    return transform(*compute_apart(waves, jnp.isfinite(clock.seconds)))
 
 
 @eqx.filter_jit
@@ -166,7 +153,7 @@ def _query(
     breaking_wavenumber: Scalar | None,
 ) -> Float[Array, "*b field"]:
     filters = wave_filters(sea.cascade, choppiness, breaking_wavenumber)
-    return sum_waves(wave_table(filters.apply(names, sea.height_spectrum(clock))), places, sea.cascade)
+    return sum_waves(wave_table(filters.apply(names, height_spectrum(sea.waves, clock))), places, sea.cascade)
 
 
 @eqx.filter_jit
@@ -175,10 +162,12 @@ def _invert(
 ) -> tuple[Float[Array, "*b 2"], Float[Array, "*b"], Scalar, Float[Array, "*b"]]:
     """Offsets to the rest points, residuals, the tolerance on these, and heights."""
     filters = wave_filters(sea.cascade, choppiness, None)
-    spectrum = sea.height_spectrum(clock)
+    spectrum = height_spectrum(sea.waves, clock)
     points = places.reshape(sea.cascade.count, -1, 2)
 
-    fixed, fixed_points = jax.lax.stop_gradient((transform(spectrum, filters), points))
+    fixed, fixed_points = jax.lax.stop_gradient(
+        (fields_of_waves(sea.cascade, sea.waves, clock, choppiness, None), points)
+    )
     grids = jnp.concatenate([fixed.displacement, fixed.strain, fixed.height[..., None]], axis=-1)
     table = wave_table(filters.apply(("u", "v", "a", "b", "c", "height"), spectrum))
     fixed_table = jax.lax.stop_gradient(table)
@@ -192,7 +181,7 @@ def _invert(
     def exact(which: Int[Array, " p"], offset: Float[Array, "s p 2"]) -> Sample:
         return unpack(sum_waves(fixed_table, fixed_points[:, None, which] + offset, sea.cascade))
 
-    variance = jnp.sum(choppiness[:, None, None] ** 2 * jnp.abs(sea.cosine) ** 2)
+    variance = jnp.sum(choppiness[:, None, None] ** 2 * jnp.abs(sea.waves.cosine) ** 2)
     scale = jax.lax.stop_gradient(safe_sqrt(variance))
     tolerance = 1e-5 * scale if points.dtype == jnp.float32 else 1e-10 * scale
     root, residual = jax.lax.stop_gradient(highest_root(rough, exact, points.shape[1], scale, tolerance))
