@@ -30,6 +30,21 @@ def cascade(config: schema.CascadeConfig) -> jo.surface.Cascade:
     return jo.surface.Cascade(sizes=config.sizes, resolution=config.resolution, bands=config.bands)
 
 
+def unresolved_breaking(cascade: jo.surface.Cascade, breaking_wavenumber: float | None) -> list[str]:
+    """A note for results whose cascade does not carry all the waves that foam sees."""
+    limit = cascade.wavenumber_limit
+    if breaking_wavenumber is None:
+        return [
+            f"Without k_b the coverage belongs to this grid: it counts all waves up to {limit:.4g} rad/m."
+        ]
+    if breaking_wavenumber <= limit * (1 + 1e-6):
+        return []
+    return [
+        f"Warning: k_b = {breaking_wavenumber:.4g} rad/m lies beyond the {limit:.4g} rad/m that the cascade resolves, "
+        "so that the coverage depends on the grid: lower breaking_wavenumber, or raise cascade.resolution."
+    ]
+
+
 def dispersion(config: schema.SpectrumConfig) -> jo.spectra.Dispersion:
     """The dispersion relation that goes with a spectrum: deep water unless it has a depth."""
     return jo.spectra.Dispersion(config.depth if isinstance(config, schema.TmaConfig) else None)

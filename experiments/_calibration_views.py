@@ -44,6 +44,11 @@ def band_name(config: schema.CalibrationConfig) -> str:
     return f"k = {lower:.3g}–{upper:.3g} rad/m"
 
 
+def table_choppiness(config: schema.CalibrationConfig) -> float:
+    """λ of the table of ε against k_b: the centre of its prior, or its value where it is not fitted."""
+    return config.choppiness_prior.mean if config.free.choppiness else config.choppiness
+
+
 def per_wind_threshold(fit: fitting.Fit, speeds: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """ε and its error at the given winds, NaN where a wind was no target."""
     value, error = (np.full(len(speeds), np.nan) for _ in range(2))
@@ -140,7 +145,7 @@ def _plot_limits(ax, view: View) -> None:
         ax.set_xticks(ticks, [f"{k:g}" for k in ticks])
         ax.minorticks_off()
         ax.legend()
-    lam = view.config.choppiness_prior.mean
+    lam = table_choppiness(view.config)
     ax.set(
         xlabel="breaking wavenumber k_b (rad/m)",
         ylabel="breaking threshold ε (-)",

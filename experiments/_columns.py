@@ -1,6 +1,7 @@
 """Columns of numbers from a CSV file."""
 
 import csv
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -36,8 +37,9 @@ def read_columns(name: str, wanted: Sequence[str]) -> dict[str, list[float]]:
 
 def _number(text: str | None, path: Path, line: int, column: str) -> float:
     try:
-        return float(text or "")
+        number = float(text or "")
     except ValueError:
-        raise UserError(
-            f"Line {line} of {path} must hold a number in column `{column}`, but holds {text!r}."
-        ) from None
+        number = math.nan
+    if not math.isfinite(number):
+        raise UserError(f"Line {line} of {path} must hold a number in column `{column}`, but holds {text!r}.")
+    return number

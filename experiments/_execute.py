@@ -46,7 +46,9 @@ def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
             _write(writer, result, loaded, provenance(loaded, digest, time.perf_counter() - start))
             return writer.finish()
         except OSError as error:
-            raise UserError(f"A file could not be read or written, and nothing was kept: {error}.") from error
+            raise UserError(
+                f"A file could not be read or written, and nothing was kept: {str(error).rstrip('.')}."
+            ) from error
         except Exception as error:
             if not _is_ours(error):
                 raise

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import schema
+from . import _build, schema
 from ._gaussian_views import Comparison
 from ._result import Result, Table
 
@@ -199,7 +199,7 @@ def _notes(seas: list[Comparison], verdicts: dict, config: schema.GaussianVsMont
         f"{(1 - config.confidence) * exact['cases']:.1g} of them outside."
     )
     notes.append(_published_note(seas, config))
-    return notes
+    return notes + _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
 
 
 def _published_note(seas: list[Comparison], config: schema.GaussianVsMonteCarloConfig) -> str:

@@ -26,6 +26,12 @@ from ._result import Result, Table
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
 MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
+MEMORY, BYTES = 5e8, 24
+"""Bytes for the seas of one wind, and what a sample of one needs until its fields are made."""
+
+AGREEMENT = 3.0
+"""Standard errors within which counted coverage must agree with the closure."""
+
 FIXED = 1e-4
 """Deviation of the prior on a choppiness that is not to move."""
 
@@ -142,10 +148,10 @@ def _limits(config: schema.CalibrationConfig) -> list[float]:
 def _threshold_row(
     config: schema.CalibrationConfig, measure: Measure, limits: list[float], targets: list
 ) -> list:
-    """(k_b, ε, its error, RMS) for one area, with λ at the centre of its prior and one ε for all winds."""
+    """(k_b, ε, its error, RMS) for one area, with λ where the fit has its prior and one ε for all winds."""
     rows = []
     for k in limits:
-        changes = {"choppiness": config.choppiness_prior.mean, "breaking_wavenumber": k}
+        changes = {"choppiness": _calibration_views.table_choppiness(config), "breaking_wavenumber": k}
         model = _model(config, "exact", measure, **changes)
         # λ is held by a narrow prior instead of being fixed: this is the shared fit's compiled program once more.
         fit = fitting.fit(model, _free(config, FIXED), targets, solver=_build.solver(config.solver))
@@ -190,22 +196,25 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
         return None
     cascade = _build.cascade(config.cascade)
     model = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model)
-    # The same random numbers at every wind: drawn once, and the points of the curve are comparable.
-    keys = jax.random.split(jax.random.key(config.seed), config.realisations)
-    noise = jax.lax.map(partial(jo.surface.draw_noise, cascade), keys, batch_size=BATCH)
     speeds = config.wind.speed
-    advance = progress.count(
-        f"Counting whitecaps on {len(speeds)} × {config.realisations} FFT seas", len(speeds)
-    )
-    counted, expected = [], []
-    for speed in speeds:
-        wind = _build.wind(config.wind, speed=speed)
-        coverage = _count(model, wind, cascade, noise, config.measure, config.shifts)
-        counted.append(np.asarray(coverage, float))
-        with jax.enable_x64(True):
-            expected.append(float(fit.model.coverage(_build.wind(config.wind, speed=speed))))
-        advance()
-    seas = np.stack(counted)
+    winds = [_build.wind(config.wind, speed=speed) for speed in speeds]
+    keys = jax.random.split(jax.random.key(config.seed), config.realisations)
+    # As many seas at once as memory holds; the same random numbers at every wind, so that its points are comparable.
+    size = max(1, int(MEMORY / (BYTES * cascade.count * cascade.resolution**2)))
+    chunks = [keys[start : start + size] for start in range(0, config.realisations, size)]
+    what = f"Counting whitecaps on {len(speeds)} × {config.realisations} FFT seas"
+    advance = progress.count(what, len(chunks) * len(speeds))
+    counted = [[] for _ in speeds]
+    for chunk in chunks:
+        noise = jax.lax.map(partial(jo.surface.draw_noise, cascade), chunk, batch_size=BATCH)
+        for values, wind in zip(counted, winds, strict=True):
+            values.append(
+                np.asarray(_count(model, wind, cascade, noise, config.measure, config.shifts), float)
+            )
+            advance()
+    with jax.enable_x64(True):
+        expected = [float(fit.model.coverage(_build.wind(config.wind, speed=speed))) for speed in speeds]
+    seas = np.stack([np.concatenate(values) for values in counted])
     return Check(seas.mean(axis=1), seas.std(axis=1, ddof=1) / np.sqrt(seas.shape[1]), np.asarray(expected))
 
 
@@ -231,6 +240,8 @@ def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> 
         tables.append(_limit_table(config, view))
     exact = view.calibrations["exact"]
     notes = [exact.shared.identifiability, *exact.shared.warnings]
+    if config.band is None:
+        notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
     if config.realisations and view.check is None:
         notes.append("With a band instead of a cascade there are no FFT seas to check the result on.")
     values = {
@@ -246,9 +257,10 @@ def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> 
     }
     if view.check is not None:
         worst = float(np.max(np.abs(view.check.deviations)))
+        agreement = "reproduce" if worst <= AGREEMENT else "do NOT reproduce"
         notes.append(
-            f"{config.realisations} FFT seas at each wind reproduce the fitted coverage "
-            f"within {worst:.2g} standard errors at worst."
+            f"{config.realisations} FFT seas at each wind {agreement} the fitted coverage within {AGREEMENT:g} "
+            f"standard errors: the worst deviation is {worst:.2g}."
         )
         values["check"] = {
             "coverage_counted": view.check.counted,
@@ -295,4 +307,6 @@ def _limit_table(config: schema.CalibrationConfig, view: _calibration_views.View
         for row, other in zip(view.table["projected"], view.table["rest"], strict=True)
     ]
     columns = ("k_b (rad/m)", "ε projected", "±", "RMS (log10)", "ε rest", "± ", "RMS (log10) ")
-    return Table(f"ε against k_b, exact closure, λ = {config.choppiness_prior.mean:g}", columns, rows)
+    return Table(
+        f"ε against k_b, exact closure, λ = {_calibration_views.table_choppiness(config):g}", columns, rows
+    )

@@ -134,6 +134,7 @@ def _result(
         else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
     )
     return Result(
+        notes=tuple(_build.unresolved_breaking(cascade, config.breaking_wavenumber)),
         values={
             "significant_wave_height_m": state.wave_height[0],
             "peak_period_s": state.peak_period,

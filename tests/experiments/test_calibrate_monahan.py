@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import fitting
 from experiments import _build, schema
 from experiments._errors import UserError
 from experiments._execute import execute
@@ -110,3 +111,21 @@ def test_measured_points_are_fitted_beside_the_law(tmp_path):
     fit = json.loads((found.folder / "result.json").read_text())["exact"]["shared"]
     assert [target["name"] for target in fit["targets"]][1] == "measured coverage"
     np.testing.assert_allclose(fit["targets"][1]["observed"], np.log10([0.005, 0.019, 0.05]), rtol=1e-6)
+
+
+def test_result_says_when_the_cascade_does_not_resolve_the_breaking_wavenumber():
+    cascade = _build.cascade(load("calibrate_monahan", SMALL).config.cascade)
+    assert _build.unresolved_breaking(cascade, cascade.wavenumber_limit) == []
+    (note,) = _build.unresolved_breaking(cascade, 2 * cascade.wavenumber_limit)
+    assert "depends on the grid" in note
+
+
+def test_fit_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise fitting.FitError("The fit did not move", "its gradient is zero", "try a smooth indicator")
+
+    monkeypatch.setattr(fitting, "fit", refuse)
+    loaded = load("calibrate_monahan", [*SMALL, f"output={tmp_path / 'runs'}"])
+    with pytest.raises(UserError, match="did not move.*smooth indicator"):
+        execute(loaded)
+    assert not any((tmp_path / "runs").glob("calibrate*"))
