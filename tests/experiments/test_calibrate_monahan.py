@@ -126,6 +126,6 @@ def test_fit_that_fails_is_one_sentence_and_leaves_nothing(tmp_path, monkeypatch
 
     monkeypatch.setattr(fitting, "fit", refuse)
     loaded = load("calibrate_monahan", [*SMALL, f"output={tmp_path / 'runs'}"])
-    with pytest.raises(UserError, match="did not move.*smooth indicator"):
+    with pytest.raises(UserError, match=r"did not move.*smooth indicator"):
         execute(loaded)
     assert not any((tmp_path / "runs").glob("calibrate*"))
