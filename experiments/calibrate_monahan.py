@@ -1,8 +1,8 @@
 """`calibrate_monahan`: fit ε and λ to whitecap laws, and check the result on realised seas."""
 
 import warnings
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -62,10 +62,7 @@ def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> R
     """Calibrate a sea to whitecap laws; see `schema.CalibrationConfig`."""
     with jax.enable_x64(True):
         targets = _targets(config)
-    done = _fit_all(config, targets, progress)
-    calibrations = {name: done[name] for name in CLOSURES}
-    table = {measure: done.get(measure, []) for measure in MEASURES}
-    check = _check(config, calibrations["exact"].shared, progress) if config.realisations else None
+    calibrations, table, check = _compute(config, targets, progress)
     progress.step("Drawing")
     view = _calibration_views.View(config, calibrations, table, check)
     _calibration_views.plot(store, view)
@@ -160,40 +157,39 @@ def _threshold_row(
     return rows
 
 
-def _fit_all(config: schema.CalibrationConfig, targets: list, progress: Reporter) -> dict[str, Any]:
-    """All fits by name, in two threads: most of a first fit is compilation, which keeps one core busy.
-
-    What shares a compiled program is done one after the other in the same thread.
-    """
+def _compute(
+    config: schema.CalibrationConfig, targets: list, progress: Reporter
+) -> tuple[dict[str, Calibration], dict[str, list], Check | None]:
+    """All fits, and the check, side by side: most of a first fit is compilation, which keeps one core busy."""
     limits = _limits(config)
-    other: Measure = "rest" if config.measure == "projected" else "projected"
-    chains = tuple(
-        {closure: partial(_calibrate, config, closure, targets)}
-        | ({measure: partial(_threshold_row, config, measure, limits, targets)} if limits else {})
-        for closure, measure in zip(CLOSURES, (config.measure, other), strict=True)
-    )
-    advance = progress.count("Fitting: both closures, and ε against k_b", sum(map(len, chains)))
+    checked = config.realisations > 0 and config.band is None
+    parts = len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
+    advance = progress.count("Fitting, and counting whitecaps on FFT seas" if checked else "Fitting", parts)
 
-    def work(chain: Mapping[str, Callable[[], Any]]) -> dict[str, Any]:
-        done = {}
+    def double(task: Callable, *arguments: Any) -> Any:
         with jax.enable_x64(True):
-            for name, task in chain.items():
-                done[name] = task()
-                advance()
-        return done
+            result = task(*arguments)
+        advance()
+        return result
 
-    executor = ThreadPoolExecutor(max_workers=len(chains))
+    executor = ThreadPoolExecutor(max_workers=2)
     try:
-        futures = [executor.submit(work, chain) for chain in chains]
-        return {name: result for future in as_completed(futures) for name, result in future.result().items()}
+        fits = {name: executor.submit(double, _calibrate, config, name, targets) for name in CLOSURES}
+        rows: dict[Measure, Future] = {}
+        # The row of the fit's own measure comes last, because it uses the program that the exact fit compiles.
+        for measure in sorted(MEASURES, key=lambda m: m == config.measure) if limits else ():
+            if measure == config.measure:
+                fits["exact"].result()
+            rows[measure] = executor.submit(double, _threshold_row, config, measure, limits, targets)
+        check = _check(config, fits["exact"].result().shared, advance) if checked else None
+        calibrations = {name: future.result() for name, future in fits.items()}
+        return calibrations, {m: rows[m].result() if m in rows else [] for m in MEASURES}, check
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporter) -> Check | None:
+def _check(config: schema.CalibrationConfig, fit: fitting.Fit, advance: Callable[[], None]) -> Check:
     """Count the coverage of realised seas with the shared values, and compare with the closure."""
-    if config.band is not None:
-        return None
     cascade = _build.cascade(config.cascade)
     model = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model)
     speeds = config.wind.speed
@@ -202,19 +198,23 @@ def _check(config: schema.CalibrationConfig, fit: fitting.Fit, progress: Reporte
     # As many seas at once as memory holds; the same random numbers at every wind, so that its points are comparable.
     size = max(1, int(MEMORY / (BYTES * cascade.count * cascade.resolution**2)))
     chunks = [keys[start : start + size] for start in range(0, config.realisations, size)]
-    what = f"Counting whitecaps on {len(speeds)} × {config.realisations} FFT seas"
-    advance = progress.count(what, len(chunks) * len(speeds))
-    counted = [[] for _ in speeds]
+    counted = []
     for chunk in chunks:
         noise = jax.lax.map(partial(jo.surface.draw_noise, cascade), chunk, batch_size=BATCH)
-        for values, wind in zip(counted, winds, strict=True):
-            values.append(
-                np.asarray(_count(model, wind, cascade, noise, config.measure, config.shifts), float)
-            )
-            advance()
+
+        def count(wind: jo.Wind, noise=noise) -> np.ndarray:
+            return np.asarray(_count(model, wind, cascade, noise, config.measure, config.shifts), float)
+
+        # The first wind compiles; of the others two go side by side, since a sea by itself does not fill two cores.
+        values = [count(winds[0])]
+        with ThreadPoolExecutor(max_workers=2) as pool:
+            values += pool.map(count, winds[1:])
+        counted.append(np.stack(values))
+    for _ in winds:
+        advance()
     with jax.enable_x64(True):
         expected = [float(fit.model.coverage(_build.wind(config.wind, speed=speed))) for speed in speeds]
-    seas = np.stack([np.concatenate(values) for values in counted])
+    seas = np.concatenate(counted, axis=1)
     return Check(seas.mean(axis=1), seas.std(axis=1, ddof=1) / np.sqrt(seas.shape[1]), np.asarray(expected))
 
 
