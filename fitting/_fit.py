@@ -10,6 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray, PyTree, UInt32
 
+from jaxocean import Ocean
+
 from ._failures import check_outcome, value_warnings
 from ._parameters import Parameter, split
 from ._priors import AbstractPrior
@@ -59,6 +61,11 @@ def fit(
     **Raises:** `ValueError` for arguments that make no sense; `FitError` if the fit gives no answer (not
     finite at its start, nothing moves it, no convergence), with the likely cause and what to try.
     """
+    if isinstance(model, Ocean):
+        raise ValueError(
+            "Argument `model` must answer for any wind, but an `Ocean` is one realised sea: "
+            "use `fitting.SpectralModel(…)` or `fitting.RealisedModel(…)` with its cascade, threshold and choppiness."
+        )
     if starts < 1:
         raise ValueError(f"Argument `starts` must be at least 1, but is {starts}.")
     solver = LevenbergMarquardt() if solver is None else solver

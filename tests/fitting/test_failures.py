@@ -1,12 +1,14 @@
 """Fits that cannot succeed say what happened, why, and what to try; doubtful ones warn in words."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from _fitting_models import SPEEDS, PowerSea
 
 import fitting
+import jaxocean as jo
 
 TARGET = fitting.CoveragePoints(SPEEDS, 2e-5 * SPEEDS**2.5)
 
@@ -133,3 +135,10 @@ def test_scatter_of_a_perfect_model_stops_at_its_floor_with_a_warning():
     assert fit.values["scatter"] == pytest.approx(5e-4, rel=0.02)
     assert any("scatter is at its bound" in text for text in fit.warnings)
     assert np.isfinite(fit.covariance).all()
+
+
+def test_an_ocean_is_refused_with_the_models_that_do_fit():
+    spectrum = jo.spectra.Elfouhaily(jo.Wind(10.0))
+    sea = jo.surface.realise(spectrum, jo.surface.Cascade((100.0,), 16), key=jax.random.key(0))
+    with pytest.raises(ValueError, match=r"SpectralModel\(…\)"):
+        fitting.fit(jo.Ocean(sea), lambda m: m.threshold, TARGET)
