@@ -17,20 +17,17 @@ import jaxocean as jo
 from jaxocean.whitecaps import Measure
 from jaxocean.whitecaps.laws import RangeWarning
 
-from . import _build, _calibration_views, schema
+from . import _build, _calibration_report, _calibration_views, schema
 from ._columns import read_columns
 from ._files import Files
 from ._progress import Reporter
-from ._result import Result, Table
+from ._result import Result
 
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
 MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
 MEMORY, BYTES = 5e8, 24
 """Bytes for the seas of one wind, and what a sample of one needs until its fields are made."""
-
-AGREEMENT = 3.0
-"""Standard errors within which counted coverage must agree with the closure."""
 
 FIXED = 1e-4
 """Deviation of the prior on a choppiness that is not to move."""
@@ -67,7 +64,7 @@ def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> R
     view = _calibration_views.View(config, calibrations, table, check)
     _calibration_views.plot(store, view)
     _calibration_views.save(store, view)
-    return _result(config, view)
+    return _calibration_report.report(view)
 
 
 def _targets(config: schema.CalibrationConfig) -> list[fitting.AbstractTarget]:
@@ -230,83 +227,3 @@ def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, noise, measure:
         return jo.whitecaps.realised_coverage(fields.strain, model.threshold, measure=measure, shifts=shifts)
 
     return jax.lax.map(coverage, arrays)
-
-
-def _result(config: schema.CalibrationConfig, view: _calibration_views.View) -> Result:
-    limit = "none" if config.breaking_wavenumber is None else f"{config.breaking_wavenumber:.4g} rad/m"
-    what = f"{config.measure} area, {_calibration_views.band_name(config)}, k_b = {limit}"
-    tables = [_fit_table(view, what), _wind_table(config, view)]
-    if any(view.table.values()):
-        tables.append(_limit_table(config, view))
-    exact = view.calibrations["exact"]
-    notes = [exact.shared.identifiability, *exact.shared.warnings]
-    if config.band is None:
-        notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
-    if config.realisations and view.check is None:
-        notes.append("With a band instead of a cascade there are no FFT seas to check the result on.")
-    values = {
-        "measure": config.measure,
-        "band_rad_per_m": config.band or _build.cascade(config.cascade).band,
-        "breaking_wavenumber_rad_per_m": config.breaking_wavenumber,
-        "wind_m_per_s": config.wind.speed,
-        **{
-            name: {"shared": c.shared.as_dict(), "per_wind": c.per_wind.as_dict()}
-            for name, c in view.calibrations.items()
-        },
-        "threshold_by_breaking_wavenumber": view.table,
-    }
-    if view.check is not None:
-        worst = float(np.max(np.abs(view.check.deviations)))
-        agreement = "reproduce" if worst <= AGREEMENT else "do NOT reproduce"
-        notes.append(
-            f"{config.realisations} FFT seas at each wind {agreement} the fitted coverage within {AGREEMENT:g} "
-            f"standard errors: the worst deviation is {worst:.2g}."
-        )
-        values["check"] = {
-            "coverage_counted": view.check.counted,
-            "standard_error": view.check.error,
-            "coverage_expected": view.check.expected,
-            "deviations": view.check.deviations,
-        }
-    return Result(values=values, tables=tables, notes=tuple(dict.fromkeys(notes)))
-
-
-def _fit_table(view: _calibration_views.View, what: str) -> Table:
-    rows = []
-    for name, calibration in view.calibrations.items():
-        fit = calibration.shared
-        for parameter in fit.parameters:
-            rows.append((name, parameter.name, parameter.value, parameter.error, parameter.unit))
-        for target in fit.targets:
-            rows.append((name, f"RMS to {target.name}", target.rms, float("nan"), "log10 W"))
-    return Table(f"One value for all winds: {what}", ("closure", "quantity", "value", "±", "unit"), rows)
-
-
-def _wind_table(config: schema.CalibrationConfig, view: _calibration_views.View) -> Table:
-    columns = ["U10 (m/s)"]
-    series: list = [config.wind.speed]
-    exact = view.calibrations["exact"]
-    for name, target in zip(config.laws, exact.shared.targets, strict=False):
-        columns.append(f"W, {name}")
-        series.append(10**target.observed)
-    for name, calibration in view.calibrations.items():
-        columns.append(f"W, {name} fit")
-        series.append(view.coverage[name])
-        own = calibration.per_wind
-        columns.append(f"ε(U10), {name}")
-        series.append(_calibration_views.per_wind_threshold(own, config.wind.speed)[0])
-    if view.check is not None:
-        columns += ["W, FFT seas", "± ", "deviation (SE)"]
-        series += [view.check.counted, view.check.error, view.check.deviations]
-    return Table("At each wind", columns, [tuple(map(float, row)) for row in zip(*series, strict=True)])
-
-
-def _limit_table(config: schema.CalibrationConfig, view: _calibration_views.View) -> Table:
-    rows = [
-        (row[0], *row[1:], *other[1:])
-        for row, other in zip(view.table["projected"], view.table["rest"], strict=True)
-    ]
-    columns = ("k_b (rad/m)", "ε projected", "±", "RMS (log10)", "ε rest", "± ", "RMS (log10) ")
-    return Table(
-        f"ε against k_b, exact closure, λ = {_calibration_views.table_choppiness(config):g}", columns, rows
-    )
