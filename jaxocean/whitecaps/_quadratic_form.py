@@ -162,8 +162,8 @@ def _invert(form: Form, level: Float[Array, "*b"], contour):
     wide = _widen(form, s.dtype)
     z = 2 * s
     (d, dd), (n, dn) = _denominator(wide, z), _numerator(wide, z)
-    # Complex division and logarithm written out: the library's guard against overflow that cannot happen here, and
-    # take a third of the time to compile.
+    # Complex division and logarithm written out: the library's own guard against overflow that cannot happen here,
+    # and the guards have to be compiled.
     square = jnp.real(d) ** 2 + jnp.imag(d) ** 2
     inverse = jnp.conj(d) * (1 / square).astype(d.dtype)
     logarithm = jax.lax.complex(0.5 * jnp.log(square), jnp.arctan2(jnp.imag(d), jnp.real(d)))
