@@ -34,6 +34,10 @@ class Files:
         figure.savefig(self.folder / f"{name}.png", metadata={"Software": f"jaxocean {version()}"})
         plt.close(figure)
 
+    def text(self, name: str, content: str) -> None:
+        """Save a text, such as `report.md`, under its full name."""
+        (self.folder / name).write_text(content.rstrip("\n") + "\n", encoding="utf-8")
+
     def data(
         self,
         name: str,
