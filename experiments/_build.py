@@ -53,7 +53,8 @@ def dispersion(config: schema.SpectrumConfig) -> jo.spectra.Dispersion:
 def spectrum(config: schema.SpectrumConfig, over: jo.Wind) -> jo.spectra.AbstractSpectrum:
     """The spectrum of a config under the wind `over`."""
     built = _spectrum(config, over)
-    return built if config.scale == 1.0 else config.scale * built
+    # A sweep puts traced numbers into configs; the usual factor of one costs nothing.
+    return built if isinstance(config.scale, float) and config.scale == 1.0 else config.scale * built
 
 
 def _spectrum(config: schema.SpectrumConfig, over: jo.Wind) -> jo.spectra.AbstractSpectrum:

@@ -75,7 +75,22 @@ def load(
     **Raises:** `UserError` for whatever is wrong, naming the key, where it stands, and what to do.
     """
     path = locate(config)
-    tree = _read(path)
+    return resolve(path, read_text(path), overrides, output=output, experiments=experiments)
+
+
+def resolve(
+    path: Path,
+    text: str,
+    overrides: Sequence[str] = (),
+    *,
+    output: str | None = None,
+    experiments: Sequence[Experiment] = EXPERIMENTS,
+) -> Loaded:
+    """`load` of a config file whose text is at hand; `path` only names it.
+
+    **Raises:** `UserError` as `load` does.
+    """
+    tree = _parse(path, text)
     if "experiment" not in tree:
         raise UserError(
             f"The config {path} lacks the key `experiment`, which says what it runs "
@@ -104,17 +119,24 @@ def load(
             return "on the command line" if _was_given(key, given) else f"in {path}"
 
         message = sentence(error, experiment.config, json.loads(text), where)
-        raise UserError(f"{message} `jaxocean show {config}` lists every key with its range.") from None
+        called = path.stem if path.parent == configs_folder() else path
+        raise UserError(f"{message} `jaxocean show {called}` lists every key with its range.") from None
 
 
-def _read(path: Path) -> DictConfig:
+def read_text(path: Path) -> str:
+    """The text of a config file, for `resolve`."""
     try:
-        # Parsed from text, not by name: a folder or a special file then fails as an ordinary read.
-        tree = OmegaConf.create(path.read_text(encoding="utf-8"))
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise UserError(f"The config {path} is not a text file in UTF-8.") from error
     except OSError as error:
         raise UserError(f"The config {path} cannot be read: {error.strerror}.") from error
+
+
+def _parse(path: Path, text: str) -> DictConfig:
+    try:
+        # Parsed from text, not by name: a folder or a special file then fails as an ordinary read.
+        tree = OmegaConf.create(text)
     except (YAMLError, OmegaConfBaseException) as error:
         raise UserError(f"The config {path} is not valid YAML: {_first_line(error)}.") from error
     if not isinstance(tree, DictConfig):

@@ -45,6 +45,12 @@ EXPERIMENTS = (
         "experiments.spectrum",
     ),
     Experiment(
+        "coverage",
+        "whitecap coverage of one sea in closed form: the plain thing to sweep",
+        schema.CoverageConfig,
+        "experiments.coverage",
+    ),
+    Experiment(
         "measured_sea",
         "whitecap coverage predicted from measured directional spectra, per record",
         schema.MeasuredSeaConfig,

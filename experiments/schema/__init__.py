@@ -7,6 +7,7 @@ from ._base import wrong as wrong
 from ._calibration import CalibrationConfig as CalibrationConfig
 from ._calibration import LawName as LawName
 from ._calibration import WindsConfig as WindsConfig
+from ._coverage import CoverageConfig as CoverageConfig
 from ._experiments import ElfouhailyTailConfig as ElfouhailyTailConfig
 from ._experiments import MapConfig as MapConfig
 from ._experiments import MeasuredSeaConfig as MeasuredSeaConfig

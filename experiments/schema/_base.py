@@ -42,3 +42,12 @@ class ExperimentConfig(Section):
     def inputs(self) -> tuple[str, ...]:
         """Paths of files that the experiment reads; their contents are part of the run's identity."""
         return ()
+
+    @classmethod
+    def varies(cls) -> frozenset[str]:
+        """Keys whose numbers may differ within one compiled batch of a sweep; none: each point is a run.
+
+        Whether a config with other numbers there is valid may depend on each number's own range and on which keys
+        are given, on nothing else.
+        """
+        return frozenset()
