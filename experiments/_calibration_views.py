@@ -29,13 +29,18 @@ class View:
     @cached_property
     def coverage(self) -> dict[str, np.ndarray]:
         """W of each closure's shared fit at the config's winds."""
-        return {name: self.curve(name, self.config.wind.speed) for name in self.calibrations}
+        return {name: fitted_coverage(self.config, one.shared) for name, one in self.calibrations.items()}
 
-    def curve(self, name: str, speeds: Sequence[float]) -> np.ndarray:
-        """W of a closure's shared fit at any winds."""
-        with jax.enable_x64(True):
-            model = self.calibrations[name].shared.model
-            return np.asarray([float(model.coverage(_build.wind(self.config.wind, speed=u))) for u in speeds])
+
+def fitted_coverage(config: schema.CalibrationConfig, fit: fitting.Fit) -> np.ndarray:
+    """W of a fitted model at the config's winds."""
+    if config.laws:
+        # The first target is a law at these very winds.
+        return 10 ** fit.targets[0].predicted
+    with jax.enable_x64(True):
+        return np.asarray(
+            [float(fit.model.coverage(_build.wind(config.wind, speed=u))) for u in config.wind.speed]
+        )
 
 
 def band_name(config: schema.CalibrationConfig) -> str:

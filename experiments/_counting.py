@@ -166,7 +166,7 @@ def realise(
 def _realise_group(spectrum, cascade, keys, choppiness, breaking_wavenumber, levels, measure, shifts):
     def one(key: PRNGKeyArray) -> Float[Array, " threshold"]:
         sea = jo.surface.realise(spectrum, cascade, key=key)
-        strain = sea.fields(0.0, choppiness, breaking_wavenumber).strain
+        strain = sea.strains(0.0, choppiness, breaking_wavenumber)
         return _coverage(strain, levels, measure, shifts)
 
     return jax.lax.map(one, keys)

@@ -11,6 +11,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Complex, PRNGKeyArray
 
 import fitting
 import jaxocean as jo
@@ -110,18 +111,24 @@ def _model(
     )
 
 
-def _calibrate(config: schema.CalibrationConfig, closure: str, targets: list) -> Calibration:
-    """One ε (and λ, and k_b) for all winds; then, with these, one ε for each wind."""
+def _fit_shared(config: schema.CalibrationConfig, closure: str, targets: list) -> fitting.Fit:
+    """One ε (and λ, and k_b) for all winds."""
     free = _free(config, config.choppiness_prior.deviation)
     if config.free.breaking_wavenumber and config.breaking_wavenumber is not None:
         prior = fitting.LogNormal(config.breaking_wavenumber, 0.5)
         free.append(fitting.Parameter(lambda m: m.breaking_wavenumber, prior=prior))
     model = _model(config, closure, config.measure)
-    solve = partial(fitting.fit, solver=_build.solver(config.solver))
     key = jax.random.key(config.seed)
-    shared = solve(model, free, targets, starts=config.starts, key=key)
+    return fitting.fit(
+        model, free, targets, solver=_build.solver(config.solver), starts=config.starts, key=key
+    )
+
+
+def _fit_each(config: schema.CalibrationConfig, shared: "Future[fitting.Fit]", targets: list) -> Calibration:
+    """With the shared fit's other values, one ε for each wind."""
+    fit = shared.result()
     each = fitting.Parameter(lambda m: m.threshold, per_wind=True)
-    return Calibration(shared, solve(shared.model, each, targets))
+    return Calibration(fit, fitting.fit(fit.model, each, targets, solver=_build.solver(config.solver)))
 
 
 def _free(config: schema.CalibrationConfig, deviation: float) -> list[fitting.Parameter]:
@@ -160,7 +167,7 @@ def _compute(
     """All fits, and the check, side by side: most of a first fit is compilation, which keeps one core busy."""
     limits = _limits(config)
     checked = config.realisations > 0 and config.band is None
-    parts = len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
+    parts = 2 * len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
     advance = progress.count("Fitting, and counting whitecaps on FFT seas" if checked else "Fitting", parts)
 
     def double(task: Callable, *arguments: Any) -> Any:
@@ -171,48 +178,64 @@ def _compute(
 
     executor = ThreadPoolExecutor(max_workers=2)
     try:
-        fits = {name: executor.submit(double, _calibrate, config, name, targets) for name in CLOSURES}
+        shared = {name: executor.submit(double, _fit_shared, config, name, targets) for name in CLOSURES}
+        seas = _Seas(config) if checked else None
         rows: dict[Measure, Future] = {}
         # The row of the fit's own measure comes last, because it uses the program that the exact fit compiles.
         for measure in sorted(MEASURES, key=lambda m: m == config.measure) if limits else ():
-            if measure == config.measure:
-                fits["exact"].result()
             rows[measure] = executor.submit(double, _threshold_row, config, measure, limits, targets)
-        check = _check(config, fits["exact"].result().shared, advance) if checked else None
+        fits = {name: executor.submit(double, _fit_each, config, shared[name], targets) for name in CLOSURES}
+        check = seas.check(shared["exact"].result(), advance) if seas else None
         calibrations = {name: future.result() for name, future in fits.items()}
         return calibrations, {m: rows[m].result() if m in rows else [] for m in MEASURES}, check
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _check(config: schema.CalibrationConfig, fit: fitting.Fit, advance: Callable[[], None]) -> Check:
-    """Count the coverage of realised seas with the shared values, and compare with the closure."""
-    cascade = _build.cascade(config.cascade)
-    model = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model)
-    speeds = config.wind.speed
-    winds = [_build.wind(config.wind, speed=speed) for speed in speeds]
-    keys = jax.random.split(jax.random.key(config.seed), config.realisations)
-    # As many seas at once as memory holds; the same random numbers at every wind, so that its points are comparable.
-    size = max(1, int(MEMORY / (BYTES * cascade.count * cascade.resolution**2)))
-    chunks = [keys[start : start + size] for start in range(0, config.realisations, size)]
-    counted = []
-    for chunk in chunks:
-        noise = jax.lax.map(partial(jo.surface.draw_noise, cascade), chunk, batch_size=BATCH)
+class _Seas:
+    """Realised seas on which a fit is checked: the same random numbers at every wind, so that it compares."""
 
-        def count(wind: jo.Wind, noise=noise) -> np.ndarray:
-            return np.asarray(_count(model, wind, cascade, noise, config.measure, config.shifts), float)
+    def __init__(self, config: schema.CalibrationConfig) -> None:
+        self.config = config
+        self.cascade = _build.cascade(config.cascade)
+        keys = jax.random.split(jax.random.key(config.seed), config.realisations)
+        # As many seas at once as memory holds. The first are drawn in the background, while the fit is traced.
+        size = max(1, int(MEMORY / (BYTES * self.cascade.count * self.cascade.resolution**2)))
+        self.chunks = [keys[start : start + size] for start in range(0, config.realisations, size)]
+        self.first = _draw(self.cascade, self.chunks[0])
 
-        # The first wind compiles; of the others two go side by side, since a sea by itself does not fill two cores.
-        values = [count(winds[0])]
-        with ThreadPoolExecutor(max_workers=2) as pool:
-            values += pool.map(count, winds[1:])
-        counted.append(np.stack(values))
-    for _ in winds:
-        advance()
-    with jax.enable_x64(True):
-        expected = [float(fit.model.coverage(_build.wind(config.wind, speed=speed))) for speed in speeds]
-    seas = np.concatenate(counted, axis=1)
-    return Check(seas.mean(axis=1), seas.std(axis=1, ddof=1) / np.sqrt(seas.shape[1]), np.asarray(expected))
+    def check(self, fit: fitting.Fit, advance: Callable[[], None]) -> Check:
+        """Count the coverage with the shared values, and compare with the closure."""
+        config = self.config
+        model = jax.tree.map(
+            lambda x: jnp.asarray(x, jnp.float32) if eqx.is_inexact_array(x) else x, fit.model
+        )
+        winds = [_build.wind(config.wind, speed=speed) for speed in config.wind.speed]
+        counted = []
+        for number, chunk in enumerate(self.chunks):
+            noise = _draw(self.cascade, chunk) if number else self.first
+
+            def count(wind: jo.Wind, noise=noise, last=chunk is self.chunks[-1]) -> np.ndarray:
+                seas = np.asarray(
+                    _count(model, wind, self.cascade, noise, config.measure, config.shifts), float
+                )
+                if last:
+                    advance()
+                return seas
+
+            # The first wind compiles; of the others two go side by side: one sea does not fill two cores.
+            values = [count(winds[0])]
+            with ThreadPoolExecutor(max_workers=2) as pool:
+                values += pool.map(count, winds[1:])
+            counted.append(np.stack(values))
+        seas = np.concatenate(counted, axis=1)
+        expected = _calibration_views.fitted_coverage(config, fit)
+        return Check(seas.mean(axis=1), seas.std(axis=1, ddof=1) / np.sqrt(seas.shape[1]), expected)
+
+
+@eqx.filter_jit
+def _draw(cascade: jo.surface.Cascade, keys: PRNGKeyArray) -> Complex[Array, "sea pattern y x"]:
+    return jax.lax.map(partial(jo.surface.draw_noise, cascade), keys, batch_size=BATCH)
 
 
 @eqx.filter_jit
@@ -223,7 +246,7 @@ def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, noise, measure:
     arrays, rest = eqx.partition(seas, eqx.is_array)
 
     def coverage(one):
-        fields = eqx.combine(one, rest).fields(0.0, model.choppiness, model.breaking_wavenumber)
-        return jo.whitecaps.realised_coverage(fields.strain, model.threshold, measure=measure, shifts=shifts)
+        strain = eqx.combine(one, rest).strains(0.0, model.choppiness, model.breaking_wavenumber)
+        return jo.whitecaps.realised_coverage(strain, model.threshold, measure=measure, shifts=shifts)
 
     return jax.lax.map(coverage, arrays)

@@ -117,7 +117,7 @@ class RealisedModel(AbstractPreparedModel):
 
         def strain(noise: Complex[Array, "pattern y x"]) -> Float[Array, "pattern y x 3"]:
             sea = realise(spectrum, self.cascade, noise=noise)
-            return sea.fields(0.0, 1.0, self.breaking_wavenumber).strain
+            return sea.strains(0.0, 1.0, self.breaking_wavenumber)
 
         return jax.lax.map(strain, self.noise)
 

@@ -1,5 +1,6 @@
 """The numerical heart of a fit: one compiled function from a problem to its solution."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -33,20 +34,18 @@ def solve_problem(problem: Problem, solver: AbstractSolver, starts: int, key) ->
     """Solve in float64 from every start and keep the one of least cost that converged."""
     problem = lift(problem)
     points = starting_points(problem, starts, key)
-    states = problem.prepare()
+    look = _Look(problem)
 
     def one(start):
-        solution = _solve(problem, states, start, solver)
+        solution = _solve(look, start, solver)
         exhausted = solution.result == optx.RESULTS.nonlinear_max_steps_reached
         converged = solution.result == optx.RESULTS.successful
         return problem.constrain(solution.value), converged, exhausted, solution.stats["num_steps"]
 
-    if starts > 1:
-        values, converged, exhausted, steps = jax.vmap(one)(points)
-    else:
-        # A batch of one would still run the loop in its slower, batched form.
-        values, converged, exhausted, steps = jax.tree.map(lambda x: x[None], one(points[0]))
-    costs, predictions, jacobians = jax.vmap(lambda v: _look(problem, states, v))(values)
+    # A batch of one would still run the loop in its slower, batched form, and be traced once more.
+    batched = jax.vmap if starts > 1 else _batch_of_one
+    values, converged, exhausted, steps = batched(one)(points)
+    costs, predictions, jacobians = batched(look)(values)
     converged &= jnp.isfinite(costs)
     rank = jnp.where(jnp.isfinite(costs), costs, jnp.inf)
     best = jnp.argmin(jnp.where(converged, rank, jnp.inf))
@@ -68,14 +67,14 @@ def solve_problem(problem: Problem, solver: AbstractSolver, starts: int, key) ->
 def look_at_start(problem: Problem) -> tuple[Predictions, Float[Array, "r p"]]:
     """Predictions and Jacobian before any step, which explain a fit that failed."""
     problem = lift(problem)
-    _, predictions, jacobian = _look(problem, problem.prepare(), problem.start())
+    _, predictions, jacobian = _Look(problem)(problem.start())
     return predictions, jacobian
 
 
 @eqx.filter_jit
 def solve_once(problem: Problem, solver: AbstractSolver) -> Float[Array, " p"]:
     """The solution from the problem's own start; differentiable in every leaf that is not free."""
-    solution = _solve(problem, problem.prepare(), jax.lax.stop_gradient(problem.start()), solver)
+    solution = _solve(_Look(problem), jax.lax.stop_gradient(problem.start()), solver)
     return problem.constrain(solution.value)
 
 
@@ -115,31 +114,51 @@ def starting_points(problem: Problem, starts: int, key) -> Float[Array, "start p
     return jnp.concatenate([first[None], jax.vmap(draw)(normal)])
 
 
-def _look(problem: Problem, states, values: Float[Array, " p"]):
-    """Cost, predictions and the Jacobian of the residuals in the parameters themselves."""
-
-    def residuals(values):
-        predictions = problem.predictions(values, states)
-        rows = problem.residuals(values, predictions)
-        return rows, (rows, predictions)
-
-    jacobian, (rows, predictions) = jax.jacfwd(residuals, has_aux=True)(values)
-    return 0.5 * jnp.sum(rows**2), predictions, jacobian
+def _batch_of_one(function: Callable) -> Callable:
+    return lambda batch: jax.tree.map(lambda x: jnp.asarray(x)[None], function(batch[0]))
 
 
-def _solve(problem: Problem, states, start: Float[Array, " p"], solver: AbstractSolver) -> optx.Solution:
-    arrays, rest = eqx.partition((problem, states), eqx.is_array)
+class _Look:
+    """Residuals and predictions of a problem whose costly part is done.
 
-    def residuals(free, arrays):
-        problem, states = eqx.combine(arrays, rest)
-        values = problem.constrain(free)
-        return problem.residuals(values, problem.predictions(values, states))
+    `rows` is compiled as a part of its own only to be traced once: the solver asks for its shapes and derivatives
+    again and again, and tracing is most of the time of a fit whose program is in the cache.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.arrays, rest = eqx.partition((problem, problem.prepare()), eqx.is_array)
+
+        @jax.jit
+        def rows(values: Float[Array, " p"], arrays: PyTree) -> tuple[Float[Array, " r"], Predictions]:
+            problem, states = eqx.combine(arrays, rest)
+            predictions = problem.predictions(values, states)
+            return problem.residuals(values, predictions), predictions
+
+        self.rows = rows
+        self.problem_of = lambda arrays: eqx.combine(arrays, rest)[0]
+
+    def __call__(
+        self, values: Float[Array, " p"]
+    ) -> tuple[Float[Array, ""], Predictions, Float[Array, "r p"]]:
+        """Cost, predictions and the Jacobian of the residuals in the parameters themselves."""
+
+        def residuals(values):
+            rows, predictions = self.rows(values, self.arrays)
+            return rows, (rows, predictions)
+
+        jacobian, (rows, predictions) = jax.jacfwd(residuals, has_aux=True)(values)
+        return 0.5 * jnp.sum(rows**2), predictions, jacobian
+
+
+def _solve(look: _Look, start: Float[Array, " p"], solver: AbstractSolver) -> optx.Solution:
+    def residuals(free: Float[Array, " p"], arrays: PyTree) -> Float[Array, " r"]:
+        return look.rows(look.problem_of(arrays).constrain(free), arrays)[0]
 
     return optx.least_squares(
         residuals,
         solver.build(),
-        problem.unconstrain(start),
-        args=arrays,
+        look.problem_of(look.arrays).unconstrain(start),
+        args=look.arrays,
         max_steps=solver.steps,
         throw=False,
         # Parameters that cannot be separated make the system of the implicit function theorem singular.

@@ -117,3 +117,21 @@ def test_fields_are_differentiable_in_time_choppiness_and_breaking_wavenumber(se
         return jnp.sum(fields.strain[..., 0] ** 3) + jnp.sum(fields.height**3)
 
     assert_derivative_matches(energy, [1.2, 0.8, 9.0], step=1e-5)
+
+
+@pytest.mark.parametrize("patterns", [1, 2, 3])
+@pytest.mark.parametrize("time", [0.0, 2.3, jnp.asarray(0.7)])
+def test_strains_alone_are_those_among_all_fields(patterns, time):
+    cascade = Cascade((60.0, 21.0, 9.0)[:patterns], 16)
+    sea = realise(wind_sea(), cascade, key=jax.random.key(3))
+    choppiness = (1.2, 0.9, 0.4)[:patterns]
+    expected = sea.fields(time, choppiness, 4.0).strain
+    np.testing.assert_allclose(sea.strains(time, choppiness, 4.0), expected, rtol=1e-10, atol=1e-14)
+
+
+def test_strains_alone_have_the_derivatives_of_all_fields(sea):
+    def power(lam, limit):
+        return jnp.sum(sea.strains(0.0, lam, limit) ** 2)
+
+    assert_derivative_matches(lambda lam: power(lam, 5.0), 0.8)
+    assert_derivative_matches(lambda limit: power(0.8, limit), 5.0)

@@ -137,6 +137,31 @@ def _pack(
     return scale(spectrum[:, None], height_u - kx * along_x - ky * along_y)
 
 
+@partial(jax.jit, static_argnums=0)
+def strains_of_waves(
+    cascade: Cascade,
+    waves: Waves,
+    clock: Clock | None,
+    choppiness: Float[Array, " pattern"],
+    breaking_wavenumber: Scalar | None,
+) -> Float[Array, "pattern y x 3"]:
+    """The strain alone at the time of `clock`, at t = 0 where it is None; in 3/8 of the transforms of all fields.
+
+    Strains are even, so any two of them share a transform of F̂ + iĜ: a and b of one pattern, c of two.
+    """
+    spectrum = waves.cosine if clock is None else height_spectrum(waves, clock)
+    filters = wave_filters(cascade, choppiness, breaking_wavenumber)
+    kx, ky, factor = filters.kx, filters.ky, -(cascade.resolution**2) * filters.strain
+    a_b = spectrum * jax.lax.complex(kx * kx * factor, ky * ky * factor)
+    c = scale(spectrum, kx * ky * factor)
+    if odd := cascade.count % 2:
+        c = jnp.concatenate([c, jnp.zeros_like(c[:1])])
+    planes = jnp.fft.ifft2(jnp.concatenate([a_b, c[0::2] + turn(c[1::2])]))
+    a_b, c = planes[: cascade.count], planes[cascade.count :]
+    c = jnp.stack([c.real, c.imag], axis=1).reshape(-1, *c.shape[1:])
+    return jnp.stack([a_b.real, a_b.imag, c[: c.shape[0] - odd]], axis=-1)
+
+
 @jax.jit
 def _transform(planes: Complex[Array, "pattern plane y x"]) -> Complex[Array, "pattern plane y x"]:
     return jnp.fft.ifft2(planes)

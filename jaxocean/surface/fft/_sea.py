@@ -15,7 +15,7 @@ from ._cascade import Cascade
 from ._choppiness import pattern_choppiness
 from ._complex import turn
 from ._evolve import Waves, height_spectrum
-from ._fields import Fields, fields_of_waves, wave_filters
+from ._fields import Fields, fields_of_waves, strains_of_waves, wave_filters
 from ._phase import Clock, split_time
 from ._points import interpolate_grids, reduce_points, sum_waves, wave_table
 
@@ -66,6 +66,18 @@ class Sea(AbstractSurface):
         """
         arguments = self._arguments(time, choppiness, breaking_wavenumber)
         return fields_of_waves(self.cascade, self.waves, *arguments)
+
+    def strains(
+        self, time: ScalarLike, choppiness: PerPattern = 1.0, breaking_wavenumber: ScalarLike | None = None
+    ) -> Float[Array, "pattern y x 3"]:
+        """Strain (a, b, c) [-] of every pattern on its grid: `fields(…).strain` for less than half of its cost.
+
+        **Arguments**, **Raises:** those of `fields`.
+        """
+        clock, lam, limit = self._arguments(time, choppiness, breaking_wavenumber)
+        # At the start every wave is its cosine part: no sines and cosines of phases that are all 0.
+        start = isinstance(time, (int, float)) and time == 0
+        return strains_of_waves(self.cascade, self.waves, None if start else clock, lam, limit)
 
     def height(self, p: Points, time: ScalarLike) -> Float[Array, "*b"]:
         """Height η [m] over the rest points `p` (x, y) [m] at time t [s]."""
