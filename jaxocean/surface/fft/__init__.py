@@ -7,3 +7,5 @@ from ._fields import Fields as Fields
 from ._noise import draw_noise as draw_noise
 from ._realise import realise as realise
 from ._sea import Sea as Sea
+from ._tile import WorldTile as WorldTile
+from ._tile import tiling_cascade as tiling_cascade
