@@ -17,7 +17,7 @@ class AbstractSurface(eqx.Module):
 
     All queries take points of any batch shape and are differentiable in the point, the time and every leaf.
     The displacement and its gradient, the strain, are those of the surface that is seen: any choppiness is
-    in them.
+    in them. A surface whose choppiness is an argument instead of a part of it (`Sea`) answers here for λ = 1.
     """
 
     @abc.abstractmethod
