@@ -1,6 +1,7 @@
 """Bounds as bijections: a solver moves freely over the real line, its parameter never leaves its range."""
 
 import abc
+import math
 from dataclasses import dataclass
 
 import jax
@@ -28,6 +29,14 @@ class AbstractBounds(abc.ABC):
         """The point on the real line from a parameter inside the range."""
 
     @abc.abstractmethod
+    def stretch(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        """The point of a sampler's real line; unlike `unconstrain`, a bound lies at infinity."""
+
+    @abc.abstractmethod
+    def shrink(self, line: Float[Array, "*s"]) -> tuple[Float[Array, "*s"], Float[Array, "*s"]]:
+        """The inverse of `stretch`, one to one from the whole line, and the logarithm of its derivative."""
+
+    @abc.abstractmethod
     def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
         """Whether every number lies strictly inside the range."""
 
@@ -53,6 +62,12 @@ class Real(AbstractBounds):
 
     def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return value
+
+    def stretch(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return value
+
+    def shrink(self, line: Float[Array, "*s"]) -> tuple[Float[Array, "*s"], Float[Array, "*s"]]:
+        return line, jnp.zeros_like(line)
 
     def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
         return bool(np.all(np.isfinite(value)))
@@ -84,6 +99,12 @@ class Positive(AbstractBounds):
     def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return jnp.log(value - self.lower)
 
+    def stretch(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return self.unconstrain(value)
+
+    def shrink(self, line: Float[Array, "*s"]) -> tuple[Float[Array, "*s"], Float[Array, "*s"]]:
+        return self.constrain(line), line
+
     def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
         return bool(np.all(np.isfinite(value) & (value > self.lower)))
 
@@ -105,7 +126,8 @@ class Interval(AbstractBounds):
     $$ v = ½(v_{upper} + v_{lower}) + ½(v_{upper} − v_{lower}) \\sin x $$
 
     One to one for |x| ≤ π/2 and reflected beyond, so that a solver that is drawn to a bound arrives there: on
-    a logistic curve it would crawl for ever.
+    a logistic curve it would crawl for ever. A sampler moves along that logistic curve instead,
+    v = v_lower + (v_upper − v_lower)/(1 + e^−y), which is one to one everywhere.
 
     **Arguments:** `lower` < `upper`, in the unit of the parameter.
 
@@ -128,6 +150,17 @@ class Interval(AbstractBounds):
     def unconstrain(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
         part = (2 * value - self.upper - self.lower) / (INSIDE * (self.upper - self.lower))
         return jnp.arcsin(jnp.clip(part, -1.0, 1.0))
+
+    def stretch(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        part = jnp.clip(
+            (value - self.lower) / (self.upper - self.lower), 0.5 * (1 - INSIDE), 0.5 * (1 + INSIDE)
+        )
+        return jnp.log(part) - jnp.log1p(-part)
+
+    def shrink(self, line: Float[Array, "*s"]) -> tuple[Float[Array, "*s"], Float[Array, "*s"]]:
+        width = self.upper - self.lower
+        value = self.lower + width * jax.nn.sigmoid(line)
+        return value, math.log(width) + jax.nn.log_sigmoid(line) + jax.nn.log_sigmoid(-line)
 
     def contains(self, value: Float[np.ndarray, "*s"]) -> bool:
         return bool(np.all((value > self.lower) & (value < self.upper)))

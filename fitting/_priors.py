@@ -21,6 +21,10 @@ class AbstractPrior(eqx.Module):
         """Distance from what is expected, in standard deviations."""
 
     @abc.abstractmethod
+    def log_measure(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        """What must be added to −½ residual² for the log density of the value itself, up to a constant."""
+
+    @abc.abstractmethod
     def draw(self, normal: Float[Array, "*s"]) -> Float[Array, "*s"]:
         """Values of this distribution from standard normal numbers."""
 
@@ -49,6 +53,9 @@ class Normal(AbstractPrior):
     def residual(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return (value - self.mean) / self.deviation
 
+    def log_measure(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        return jnp.zeros_like(value)
+
     def draw(self, normal: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return self.mean + self.deviation * normal
 
@@ -74,6 +81,10 @@ class LogNormal(AbstractPrior):
 
     def residual(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return (jnp.log(value) - jnp.log(self.median)) / self.deviation
+
+    def log_measure(self, value: Float[Array, "*s"]) -> Float[Array, "*s"]:
+        # d ln v = dv/v
+        return -jnp.log(value)
 
     def draw(self, normal: Float[Array, "*s"]) -> Float[Array, "*s"]:
         return self.median * jnp.exp(self.deviation * normal)

@@ -1,0 +1,192 @@
+"""How often the intervals of a fit contain the truth: the same fit of many data sets whose truth is known."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, PRNGKeyArray, PyTree, UInt32
+
+from ._coverage_shares import CoverageProbability
+from ._density import LogPosterior, information, whiten
+from ._fit import Free, Targets
+from ._minimise import minimise
+from ._nuts import require_blackjax, run_chains
+from ._parameters import split
+from ._posed import lay_out
+from ._priors import AbstractPrior
+from ._problem import Problem
+from ._solvers import AbstractSolver, LevenbergMarquardt
+
+CHUNK = 50
+"""Data sets that are fitted side by side: enough for both cores, and memory does not grow with their number."""
+
+
+def coverage_probability(
+    model: PyTree,
+    free: Free,
+    targets: Targets,
+    *,
+    priors: Sequence[AbstractPrior] = (),
+    sets: int = 100,
+    sampled: int = 0,
+    warmup: int = 500,
+    draws: int = 250,
+    key: PRNGKeyArray | UInt32[Array, "2"] | None = None,
+    solver: AbstractSolver | None = None,
+    advance: Callable[[], None] | None = None,
+) -> CoverageProbability:
+    """Fit synthetic data sets and count how often the intervals contain the truth.
+
+    A number with a prior has a truth of its own in each data set, drawn from that prior: an interval that leans on
+    a prior can only keep its promise over the worlds that the prior describes (a truth that always sat at the
+    prior's centre would be hit too often, one far out too rarely). All other truths are the model's own numbers.
+    Data scatter around the truth as the targets say. Fits and profiles run side by side in one compiled program.
+
+    **Arguments:** `model`, `free`, `targets`, `priors`, `solver`: as for `fit`; of the targets only winds and
+    scatter count;
+
+    - `sets`: how many data sets; `sampled`: for how many of them the posterior is drawn too, one chain of
+      `warmup` + `draws` steps each (needs the extra `posterior`).
+    - `key`: `jax.random.key(0)` by default; the same key gives the same data sets.
+    - `advance`: called after each chunk of fits and of chains.
+
+    **Returns:** `CoverageProbability`.
+
+    **Raises:** `ValueError` for counts that make no sense; `ImportError` without blackjax where it is needed.
+    """
+    if sets < 2:
+        raise ValueError(f"Argument `sets` must be at least 2, but is {sets}.")
+    if not 0 <= sampled <= sets:
+        raise ValueError(f"Argument `sampled` must lie between 0 and `sets` ({sets}), but is {sampled}.")
+    if sampled:
+        require_blackjax()
+    advance = (lambda: None) if advance is None else advance
+    solver = LevenbergMarquardt() if solver is None else solver
+    problem, states = lay_out(model, free, targets, priors)
+    with jax.enable_x64(True):
+        root, chain_key = jax.random.split(jax.random.key(0) if key is None else key)
+        # Every set has a key of its own, so that more sets begin with the same ones.
+        keys = jax.vmap(lambda i: jax.random.fold_in(root, i))(jnp.arange(-(-sets // CHUNK) * CHUNK))
+        parts = []
+        for begin in range(0, sets, CHUNK):
+            parts.append(jax.device_get(_repeat(problem, states, keys[begin : begin + CHUNK], solver)))
+            advance()
+        tried = jax.tree.map(lambda *each: np.concatenate(each)[:sets], *parts)
+        ranks = _sample(problem, states, tried, sampled, chain_key, warmup, draws, advance)
+    labels = tuple(label for slot in problem.slots for label in slot.labels(_speeds(problem)))
+    lost = int(np.sum(~tried.converged))
+    words = f"{lost} of {sets} fits or profiles of synthetic data did not converge: they are left out."
+    return CoverageProbability(
+        labels=labels,
+        truths=tried.truths,
+        values=tried.values,
+        errors=tried.errors,
+        roots=tried.roots,
+        ranks=ranks,
+        numbers=tried.numbers,
+        converged=tried.converged,
+        warnings=(words,) if lost else (),
+    )
+
+
+class Tried(NamedTuple):
+    """What became of the data sets of a chunk."""
+
+    truths: Float[Array, "set p"]
+    numbers: tuple[Float[Array, "set n"], ...]
+    values: Float[Array, "set p"]
+    errors: Float[Array, "set p"]
+    information: Float[Array, "set p p"]
+    roots: Float[Array, "set p"]
+    converged: Bool[Array, " set"]
+
+
+@eqx.filter_jit
+def _repeat(problem: Problem, states: Any, keys: Any, solver: AbstractSolver) -> Tried:
+    """Draw a data set for each key, fit it, and fit it again with each number held at its truth."""
+
+    def one(key):
+        truth_key, data_key = jax.random.split(key)
+        truth = _truth(problem, truth_key)
+        predicted, _, scatter = problem.predictions(truth, states)
+        sizes = np.cumsum([len(each) for each in predicted])[:-1]
+        noise = jax.random.normal(data_key, (problem.data_size,), truth.dtype)
+        pairs = zip(predicted, scatter, jnp.split(noise, sizes), strict=True)
+        numbers = tuple(p + s * n for p, s, n in pairs)
+        return truth, numbers
+
+    truths, numbers = jax.vmap(one)(keys)
+    size = truths.shape[1]
+    # The first row of each set is the fit itself, the others hold one number each.
+    held = jnp.concatenate([jnp.zeros((1, size), bool), jnp.eye(size, dtype=bool)])
+
+    def fit(numbers, truth, held):
+        return minimise(
+            replaced(problem, numbers), states, jnp.where(held, truth, problem.start()), held, solver
+        )
+
+    over_held = jax.vmap(fit, in_axes=(None, None, 0))
+    found = jax.vmap(over_held, in_axes=(0, 0, None))(numbers, truths, held)
+    values = found.values[:, 0]
+    known = jax.vmap(lambda n, v: information(replaced(problem, n), states, v))(numbers, values)
+    errors = jnp.sqrt(jnp.diagonal(jnp.linalg.inv(known), axis1=-2, axis2=-1))
+    excess = 2 * (found.cost[:, 1:] - found.cost[:, :1])
+    roots = jnp.sign(truths - values) * jnp.sqrt(jnp.maximum(excess, 0.0))
+    return Tried(truths, numbers, values, errors, known, roots, jnp.all(found.converged, axis=1))
+
+
+def replaced(problem: Problem, numbers: Sequence[Float[Array, " n"]]) -> Problem:
+    """The problem with other observed numbers."""
+    return eqx.tree_at(lambda p: [target.numbers for target in p.tree[1]], problem, list(numbers))
+
+
+def _truth(problem: Problem, key: Any) -> Float[Array, " p"]:
+    """The model's own numbers, those with a prior drawn from it."""
+    start = problem.start()
+    parts = zip(
+        problem.slots,
+        problem.priors,
+        split(problem.slots, start),
+        split(problem.slots, jax.random.normal(key, start.shape, start.dtype)),
+        strict=True,
+    )
+    drawn = [
+        part if prior is None else slot.bounds.constrain(slot.bounds.unconstrain(prior.draw(normal)))
+        for slot, prior, part, normal in parts
+    ]
+    return jnp.concatenate([part.ravel() for part in drawn])
+
+
+@eqx.filter_jit
+def _density(problem: Problem, states: Any, numbers: Any, values: Any, known: Any) -> LogPosterior:
+    return whiten(replaced(problem, numbers), states, values, known)
+
+
+def _sample(
+    problem: Problem,
+    states: Any,
+    tried: Tried,
+    sampled: int,
+    key: Any,
+    warmup: int,
+    draws: int,
+    advance: Callable,
+) -> Float[np.ndarray, "sampled p"]:
+    """Where the truth lies among the draws of each posterior."""
+    chosen = np.flatnonzero(tried.converged)[:sampled]
+    densities = [
+        _density(problem, states, tuple(n[i] for n in tried.numbers), tried.values[i], tried.information[i])
+        for i in chosen
+    ]
+    if not densities:
+        return np.zeros((0, tried.truths.shape[1]))
+    blocks = run_chains(densities, list(jax.random.split(key, len(densities))), warmup, draws, 0.8, advance)
+    below = [(block.values < tried.truths[i]).mean(axis=0) for i, block in zip(chosen, blocks, strict=True)]
+    return np.stack(below)
+
+
+def _speeds(problem: Problem) -> list[float]:
+    return sorted({float(speed) for target in problem.tree[1] for speed in np.asarray(target.winds.speed)})

@@ -1,0 +1,257 @@
+"""Profile likelihood: what each value of one parameter costs, when all others do their best."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int, PyTree
+
+from ._bounds import AbstractBounds
+from ._fit import Free, Targets
+from ._minimise import Minimum, minimise
+from ._posed import pose
+from ._posterior_result import check_level
+from ._priors import AbstractPrior
+from ._problem import Problem
+from ._result import Fit
+from ._solvers import AbstractSolver, LevenbergMarquardt
+from ._target import Numbers, as_row
+
+POINTS, REACH = 41, 4.0
+"""The default grid: so many values within so many standard errors of the fit."""
+
+BELOW = 1e-3
+"""A cost this far below that of the fit means that the fit had not found the least one."""
+
+
+@dataclass(frozen=True)
+class ProfileInterval:
+    """Where twice the cost above the least is below a quantile of χ² with one degree of freedom.
+
+    - `lower`, `upper`: its ends; an end that is `open` was not found: the grid stops there, or the solver did.
+    - `pieces`: how many separate intervals the region has; the ends are the outermost.
+    """
+
+    level: float
+    lower: float
+    upper: float
+    lower_is_open: bool
+    upper_is_open: bool
+    pieces: int
+
+    def __contains__(self, value: float) -> bool:
+        return (self.lower_is_open or self.lower <= value) and (self.upper_is_open or value <= self.upper)
+
+    def words(self, name: str) -> str:
+        """The interval in a sentence that hides no open end."""
+        share = f"{100 * self.level:g} %"
+        if self.lower_is_open and self.upper_is_open:
+            text = f"{name} is not bounded on either side between {self.lower:.4g} and {self.upper:.4g}"
+        elif self.lower_is_open:
+            text = f"{name} < {self.upper:.4g}; no lower end down to {self.lower:.4g}"
+        elif self.upper_is_open:
+            text = f"{name} > {self.lower:.4g}; no upper end up to {self.upper:.4g}"
+        else:
+            text = f"{self.lower:.4g} < {name} < {self.upper:.4g}"
+        several = f", in {self.pieces} separate pieces" if self.pieces > 1 else ""
+        return f"{text} ({share}{several})"
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The least cost for each value of one parameter.
+
+    - `label`, `unit`: of the parameter; `grid`: its values, increasing, the best one among them.
+    - `excess`: twice the cost above the least, NaN where the solver did not converge.
+    - `values`: (grid, number) all free numbers there, in the order of `labels`.
+    - `best`: the value of least cost; `fit`: the fit from which the search began.
+    """
+
+    label: str
+    unit: str
+    labels: tuple[str, ...]
+    grid: Float[np.ndarray, " n"]
+    excess: Float[np.ndarray, " n"]
+    values: Float[np.ndarray, "n p"]
+    best: float
+    fit: Fit
+    warnings: tuple[str, ...]
+
+    @property
+    def signed_root(self) -> Float[np.ndarray, " n"]:
+        """±√excess, negative below the best value: a straight line where the likelihood is Gaussian."""
+        return np.sign(self.grid - self.best) * np.sqrt(np.maximum(self.excess, 0.0))
+
+    def interval(self, level: float = 0.9) -> ProfileInterval:
+        """The values that this level of confidence does not exclude.
+
+        **Raises:** `ValueError` for a level outside (0, 1).
+        """
+        check_level(level)
+        limit = NormalDist().inv_cdf(0.5 * (1 + level))
+        known = np.isfinite(self.excess)
+        grid, root = self.grid[known], np.abs(self.signed_root[known])
+        inside = np.flatnonzero(root <= limit)
+        first, last = int(inside[0]), int(inside[-1])
+        pieces = 1 + int(np.sum(np.diff(inside) > 1))
+        lower_open = first == 0 or not known[: np.searchsorted(self.grid, grid[first])].all()
+        upper_open = last == len(grid) - 1 or not known[np.searchsorted(self.grid, grid[last]) :].all()
+        lower = grid[0] if first == 0 else _cross(grid, root, first, first - 1, limit)
+        upper = grid[-1] if last == len(grid) - 1 else _cross(grid, root, last, last + 1, limit)
+        return ProfileInterval(level, float(lower), float(upper), bool(lower_open), bool(upper_open), pieces)
+
+    def as_dict(self, level: float = 0.9) -> dict[str, Any]:
+        """Plain numbers, texts and lists."""
+        interval = self.interval(level)
+        return {
+            "name": self.label,
+            "unit": self.unit,
+            "best": self.best,
+            "grid": self.grid.tolist(),
+            "excess": self.excess.tolist(),
+            "level": level,
+            "lower": None if interval.lower_is_open else interval.lower,
+            "upper": None if interval.upper_is_open else interval.upper,
+            "interval": interval.words(self.label),
+            "warnings": list(self.warnings),
+        }
+
+
+def profile(
+    model: PyTree,
+    free: Free,
+    targets: Targets,
+    *,
+    parameter: str,
+    grid: Numbers | None = None,
+    priors: Sequence[AbstractPrior] = (),
+    solver: AbstractSolver | None = None,
+) -> Profile:
+    """The least cost of a fit for each value of one of its numbers, the others minimised anew.
+
+    $$ Δ(v) = 2 \\left(\\min_{θ: θ_k = v} C(θ) − \\min_θ C(θ)\\right) $$
+
+    with the cost C that `fit` minimises, priors included. Values with Δ below the quantile of χ² with one degree of
+    freedom make the interval. From the fit's value the search walks up the grid and then down, each minimum starting
+    from its neighbour's. All parameters of one problem share a compiled program.
+
+    **Arguments:** `model`, `free`, `targets`, `priors`, `solver`: as for `fit`, which runs first;
+
+    - `parameter`: its name, as in the fit's `labels`.
+    - `grid`: values to try, in any order, inside its bounds; by default 41 within four standard errors.
+
+    **Returns:** `Profile`.
+
+    **Raises:** what `fit` raises; `ValueError` for a parameter that is not free, or a grid with fewer than two values
+    or outside the bounds.
+
+    **Source:** Venzon & Moolgavkar 1988, Appl. Stat. 37, 87-94.
+    """
+    solver = LevenbergMarquardt() if solver is None else solver
+    posed = pose(model, free, targets, priors, solver)
+    problem, labels = posed.problem, posed.fit.labels
+    if parameter not in labels:
+        known = ", ".join(f"`{label}`" for label in labels)
+        raise ValueError(f"Argument `parameter` must be one of {known}, but is {parameter!r}.")
+    index = labels.index(parameter)
+    values = np.asarray(posed.values)
+    bounds = [slot.bounds for slot in problem.slots for _ in range(slot.size)][index]
+    error = float(np.sqrt(posed.fit.covariance[index, index]))
+    chosen = _grid(grid, float(values[index]), error, bounds, parameter)
+    with jax.enable_x64(True):
+        order, turn = _walk(chosen, float(values[index]))
+        walked = jax.device_get(
+            _follow(
+                problem,
+                posed.states,
+                posed.values,
+                jnp.asarray(index),
+                jnp.asarray(order),
+                jnp.asarray(turn),
+                solver,
+            )
+        )
+    return _report(parameter, posed.fit, _unit(problem, index), values, index, order, walked)
+
+
+def _grid(
+    grid: Numbers | None, best: float, error: float, bounds: AbstractBounds, name: str
+) -> Float[np.ndarray, " n"]:
+    if grid is None:
+        values = best + error * np.linspace(-REACH, REACH, POINTS)
+        inside = [bounds.contains(np.asarray(value)) for value in values]
+        return values[np.asarray(inside)]
+    values = np.unique(np.asarray(as_row(grid), float).ravel())
+    if values.size < 2:
+        raise ValueError(f"Argument `grid` must hold at least two different values, but holds {values.size}.")
+    if not bounds.contains(values):
+        raise ValueError(f"Argument `grid` must hold values of `{name}` that are {bounds}, but one is not.")
+    return values
+
+
+def _walk(grid: Float[np.ndarray, " n"], best: float) -> tuple[np.ndarray, np.ndarray]:
+    """The grid upwards from the best value, then downwards; and where to return to the fit first."""
+    above, below = grid[grid > best], grid[grid < best][::-1]
+    turn = np.zeros(above.size + below.size, bool)
+    turn[above.size : above.size + 1] = True
+    return np.concatenate([above, below]), turn
+
+
+@eqx.filter_jit
+def _follow(
+    problem: Problem,
+    states: Any,
+    best: Float[Array, " p"],
+    index: Int[Array, ""],
+    order: Float[Array, " n"],
+    turn: Bool[Array, " n"],
+    solver: AbstractSolver,
+) -> Minimum:
+    """Minima along a walk, each from the last one that converged."""
+    held = jnp.arange(best.size) == index
+
+    def step(last, at):
+        value, turns = at
+        start = jnp.where(turns, best, last)
+        found = minimise(problem, states, start.at[index].set(value), held, solver)
+        return jnp.where(found.converged, found.values, start), found
+
+    return jax.lax.scan(step, best, (order, turn))[1]
+
+
+def _report(label, fit, unit, values, index, order, walked: Minimum) -> Profile:
+    grid = np.concatenate([order, values[index : index + 1]])
+    cost = np.concatenate([np.where(walked.converged, walked.cost, np.nan), [fit.cost]])
+    everything = np.concatenate([walked.values, values[None]])
+    place = np.argsort(grid)
+    grid, cost, everything = grid[place], cost[place], everything[place]
+    least = float(np.nanmin(cost))
+    warnings = []
+    if 2 * (fit.cost - least) > BELOW:
+        at = grid[int(np.nanargmin(cost))]
+        warnings.append(
+            f"The cost is lower at {label} = {at:.4g} than where the fit stopped: there is more than one valley. "
+            "Fit with several `starts`."
+        )
+    lost = int(np.sum(~np.isfinite(cost)))
+    if lost:
+        warnings.append(
+            f"At {lost} of {grid.size} values of {label} the other numbers did not settle: they are left out."
+        )
+    best = float(grid[int(np.nanargmin(cost))])
+    return Profile(label, unit, fit.labels, grid, 2 * (cost - least), everything, best, fit, tuple(warnings))
+
+
+def _unit(problem: Problem, index: int) -> str:
+    return [slot.unit for slot in problem.slots for _ in range(slot.size)][index]
+
+
+def _cross(grid, root, inside: int, outside: int, limit: float) -> float:
+    """Where √excess, nearly straight between two values of the grid, reaches the limit."""
+    part = (limit - root[inside]) / (root[outside] - root[inside])
+    return grid[inside] + part * (grid[outside] - grid[inside])
