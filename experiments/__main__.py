@@ -1,4 +1,4 @@
-"""The command line: `jaxocean run | list | show`. Nothing here imports JAX until something runs."""
+"""The command line: `jaxocean run | sweep | list | show`. Nothing here imports JAX until something runs."""
 
 import logging
 import signal
@@ -79,6 +79,56 @@ def run(
     print("  " + "  ".join(finished.files()))
 
 
+@app.command()
+def sweep(
+    config: Config,
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="KEY.PATH=VALUES...",
+            help="What is swept: wind.speed=4:24:2 (with its end), threshold=0.2,0.4 (lists and names too), "
+            "or wind.speed=4:24 with --design; one value alone is a plain change.",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", "-j", min=1, help="Processes [one per core].")
+    ] = None,
+    zipped: Annotated[
+        bool, typer.Option("--zip", help="Take the values side by side instead of every combination.")
+    ] = False,
+    design: Annotated[
+        str | None, typer.Option("--design", metavar="sobol|random", help="Draw points from intervals.")
+    ] = None,
+    points: Annotated[int | None, typer.Option("--points", help="How many points to draw.")] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Compute on this dask.distributed cluster."),
+    ] = None,
+    output: Annotated[
+        str | None, typer.Option("--output", metavar="DIR", help="Folder for sweeps [runs].")
+    ] = None,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Compute points that failed again.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Throw away what is there and start anew.")] = False,
+) -> None:
+    """Run an experiment at many points, or go on where an earlier command stopped."""
+    from ._sweep_command import sweep_command
+
+    sweep_command(
+        config,
+        values or [],
+        workers=workers,
+        zipped=zipped,
+        design=design,
+        points=points,
+        scheduler=scheduler,
+        output=output,
+        retry_failed=retry_failed,
+        force=force,
+    )
+
+
 @app.command("list")
 def list_() -> None:
     """List the configs that can be run, and the experiments behind them."""
@@ -113,8 +163,8 @@ def main() -> None:
     except UserError as error:
         print(f"Error: {error}", file=sys.stderr)
         sys.exit(2)
-    except KeyboardInterrupt:
-        print("Interrupted: nothing was kept of the unfinished run.", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        print(interrupt or "Interrupted: nothing was kept of the unfinished run.", file=sys.stderr)
         sys.exit(130)
 
 

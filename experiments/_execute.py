@@ -40,7 +40,7 @@ def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
             from ._provenance import provenance
 
             with warnings.catch_warnings():
-                messages = _collect_warnings()
+                messages = collect_warnings()
                 result = run(loaded.config, progress or Silent(), Files(writer.folder, loaded))
             result = replace(result, notes=(*result.notes, *dict.fromkeys(messages)))
             _write(writer, result, loaded, provenance(loaded, digest, time.perf_counter() - start))
@@ -50,9 +50,9 @@ def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
                 f"A file could not be read or written, and nothing was kept: {str(error).rstrip('.')}."
             ) from error
         except Exception as error:
-            if not _is_ours(error):
+            if not is_ours(error):
                 raise
-            raise UserError(_one_line(error)) from error
+            raise UserError(one_line(error)) from error
 
 
 def _write(writer: RunWriter, result: Result, loaded: Loaded, origin: dict[str, Any]) -> None:
@@ -62,12 +62,12 @@ def _write(writer: RunWriter, result: Result, loaded: Loaded, origin: dict[str, 
     writer.write_text("summary.txt", render(result))
 
 
-def _collect_warnings() -> list[str]:
+def collect_warnings() -> list[str]:
     """Let the rooms' own warnings become notes of the result, even where warnings are errors."""
     notes: list[str] = []
 
     def keep(message: Warning | str, *_: Any, **__: Any) -> None:
-        notes.append(f"Warning: {_one_line(message)}")
+        notes.append(f"Warning: {one_line(message)}")
 
     def show(message: Any, category: type[Warning], filename: str, lineno: int, *rest: Any) -> None:
         if issubclass(category, UserWarning):
@@ -81,7 +81,7 @@ def _collect_warnings() -> list[str]:
     return notes
 
 
-def _is_ours(error: Exception) -> bool:
+def is_ours(error: Exception) -> bool:
     """Whether a room raised this on purpose: a ValueError from our own code, or an error of fitting's own.
 
     A plain ImportError is one too: it names the extra to install (a bug raises ModuleNotFoundError).
@@ -94,5 +94,6 @@ def _is_ours(error: Exception) -> bool:
     return str(last.f_globals.get("__name__", "")).partition(".")[0] in ROOMS
 
 
-def _one_line(message: object) -> str:
+def one_line(message: object) -> str:
+    """A message without line breaks."""
     return " ".join(str(message).split())

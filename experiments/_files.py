@@ -14,9 +14,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ._loading import Loaded
+from ._quantity import CONVENTIONS
 from ._version import version
-
-CONVENTIONS = "CF-1.11"
 
 
 class Files:

@@ -3,6 +3,9 @@
 import re
 from dataclasses import dataclass
 
+CONVENTIONS = "CF-1.11"
+"""What our files follow."""
+
 
 @dataclass(frozen=True)
 class Quantity:

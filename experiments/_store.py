@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import socket
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ def identity(loaded: Loaded) -> str:
     content = {
         "experiment": loaded.experiment.name,
         "config": loaded.config.identity(),
-        "inputs": {name: _digest(Path(name)) for name in loaded.config.inputs()},
+        "inputs": digests(loaded.config.inputs()),
         "version": version(),
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
@@ -152,6 +152,11 @@ def _flush(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def digests(names: Iterable[str]) -> dict[str, str | None]:
+    """SHA-256 of the contents of files or folders, by name; None where there is nothing."""
+    return {name: _digest(Path(name)) for name in names}
 
 
 def _digest(path: Path) -> str | None:
