@@ -31,8 +31,10 @@ class Elfouhaily(AbstractSpectrum):
       fetch, and is 0.84 without one.
     - `spreading`: another directional spreading, or None for the model's own Δ(k).
     - `half_plane`: keep only waves that travel downwind (|φ − φ_w| < π/2), energy unchanged; static.
+    - `peak_enhancement`: γ [-]; if None it is 1.7 for Ω ≤ 1, else 1.7 + 6 log₁₀ Ω. Some programs take the natural
+      logarithm there.
 
-    **Raises:** `ValueError` if both a fetch and an inverse wave age are given, or Ω is not positive.
+    **Raises:** `ValueError` if both a fetch and an inverse wave age are given, or Ω or γ is not positive.
 
     **Source:** Elfouhaily, Chapron, Katsaros & Vandemark 1997, J. Geophys. Res. 102(C7).
     """
@@ -41,6 +43,7 @@ class Elfouhaily(AbstractSpectrum):
     inverse_wave_age: Scalar | None = eqx.field(converter=optional_leaf, default=None)
     spreading: AbstractSpreading | None = eqx.field(default=None, kw_only=True)
     half_plane: bool = eqx.field(static=True, default=False, kw_only=True)
+    peak_enhancement: Scalar | None = eqx.field(converter=optional_leaf, default=None, kw_only=True)
 
     def __check_init__(self) -> None:
         if self.wind.fetch is not None and self.inverse_wave_age is not None:
@@ -48,6 +51,7 @@ class Elfouhaily(AbstractSpectrum):
                 "Give exactly one of the wind's `fetch` and `inverse_wave_age`, but both are given."
             )
         check_scalar("inverse_wave_age", self.inverse_wave_age, "", positive=True)
+        check_scalar("peak_enhancement", self.peak_enhancement, "", positive=True)
 
     def age(self) -> Scalar:
         """Ω [-], as given or from the fetch."""
@@ -95,8 +99,10 @@ class Elfouhaily(AbstractSpectrum):
         low_pass = jnp.exp(-1.25 * jnp.minimum(k_p / k, FARTHEST) ** 2)
         root = jnp.sqrt(k / k_p)
         width = 0.08 * (1 + 4 / omega**3)
-        old = omega <= 1
-        gamma = jnp.where(old, 1.7, 1.7 + 6 * jnp.log10(jnp.where(old, 1.0, omega)))
+        gamma = self.peak_enhancement
+        if gamma is None:
+            old = omega <= 1
+            gamma = jnp.where(old, 1.7, 1.7 + 6 * jnp.log10(jnp.where(old, 1.0, omega)))
         peak = gamma ** jnp.exp(-0.5 * ((root - 1) / width) ** 2)
         cut = jnp.exp(-omega * (root - 1) / jnp.sqrt(10.0))
         long_waves = 0.5 * 6e-3 * jnp.sqrt(omega) * c_p / c * low_pass * peak * cut
