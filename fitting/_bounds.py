@@ -113,7 +113,7 @@ class Positive(AbstractBounds):
 
     def touched(self, value: float) -> float | None:
         scale = abs(self.lower) if self.lower != 0 else 1e-6
-        return self.lower if value - self.lower < EDGE * scale else None
+        return float(self.lower) if value - self.lower < EDGE * scale else None
 
     def __str__(self) -> str:
         return f"greater than {self.lower:g}"
@@ -173,8 +173,8 @@ class Interval(AbstractBounds):
     def touched(self, value: float) -> float | None:
         near = EDGE * (self.upper - self.lower)
         if value - self.lower < near:
-            return self.lower
-        return self.upper if self.upper - value < near else None
+            return float(self.lower)
+        return float(self.upper) if self.upper - value < near else None
 
     def __str__(self) -> str:
         return f"between {self.lower:g} and {self.upper:g}"

@@ -62,3 +62,23 @@ def test_values_at_an_edge_are_noticed():
     assert fitting.Interval(0.0, 3.0).touched(1e-4) == 0.0
     assert fitting.Interval(0.0, 3.0).touched(1.0) is None
     assert fitting.Real().touched(1e9) is None
+
+
+@EACH
+def test_the_samplers_line_goes_there_and_back_and_knows_its_own_derivative(bounds, values):
+    values = jnp.asarray(values)
+    line = bounds.stretch(values)
+    back, log_slope = bounds.shrink(line)
+    np.testing.assert_allclose(back, values, rtol=1e-9, atol=1e-12)
+    for at, slope in zip(line, log_slope, strict=True):
+        assert_derivative_matches(lambda y: bounds.shrink(y)[0], float(at), rtol=1e-6)
+        np.testing.assert_allclose(jnp.log(jax.grad(lambda y: bounds.shrink(y)[0])(at)), slope, atol=1e-9)
+
+
+@EACH
+def test_the_samplers_line_is_one_to_one_and_finite_far_out(bounds, values):
+    line = jnp.linspace(-30.0, 30.0, 61)
+    inside, log_slope = bounds.shrink(line)
+    assert np.all(np.diff(inside) > 0)
+    assert np.all(np.isfinite(log_slope))
+    assert np.isfinite(jax.grad(lambda y: bounds.shrink(y)[1])(800.0 if "between" in str(bounds) else 80.0))
