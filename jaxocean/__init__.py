@@ -1,5 +1,6 @@
 """A differentiable ocean: wind → spectrum → surface → whitecaps, and its gradient back."""
 
+from . import filtering as filtering
 from . import io as io
 from . import spectra as spectra
 from . import surface as surface

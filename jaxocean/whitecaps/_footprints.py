@@ -1,0 +1,26 @@
+"""From what a footprint sees of the strain to the statistics that closures take."""
+
+import jax.numpy as jnp
+
+from .._types import FloatLike
+from ..filtering import Moments
+from ._statistics import StrainStatistics
+
+FLOOR = 1e-7
+"""Variance [-] below which float32 moments say nothing: it blurs the threshold of a point by 4e-4."""
+
+
+def footprint_statistics(moments: Moments, *, floor: FloatLike = FLOOR) -> StrainStatistics:
+    """The strain's statistics in footprints, for any closure.
+
+    With the whole plane as footprint they are those of the sea, with a point j itself: the coverage then is the
+    indicator of j < ε, smooth over √(2·floor) so that it has a derivative.
+
+    **Arguments:** `moments`: of `jaxocean.filtering`; `floor`: added to the variances of a, b and c [-], so that
+    rounded moments of small footprints stay positive definite.
+
+    **Returns:** `StrainStatistics`, batched like the moments.
+    """
+    covariance = moments.strain_covariance
+    floored = covariance + jnp.asarray(floor, covariance.dtype) * jnp.eye(3, dtype=covariance.dtype)
+    return StrainStatistics(moments.strain_mean, floored)
