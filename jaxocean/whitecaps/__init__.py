@@ -1,6 +1,7 @@
 """Whitecaps: the Jacobian, statistics of the strain, closures and empirical laws."""
 
 from . import foam as foam
+from . import foam as foam
 from . import laws as laws
 from ._closures import AbstractClosure as AbstractClosure
 from ._closures import ExactClosure as ExactClosure
