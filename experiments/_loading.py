@@ -119,8 +119,12 @@ def resolve(
             return "on the command line" if _was_given(key, given) else f"in {path}"
 
         message = sentence(error, experiment.config, json.loads(text), where)
-        called = path.stem if path.parent == configs_folder() else path
-        raise UserError(f"{message} `jaxocean show {called}` lists every key with its range.") from None
+        raise UserError(f"{message} `jaxocean show {called(path)}` lists every key with its range.") from None
+
+
+def called(path: Path) -> str:
+    """What one types to have this config: its name if it is a shipped one, else its path."""
+    return path.stem if path.parent == configs_folder() else str(path)
 
 
 def read_text(path: Path) -> str:

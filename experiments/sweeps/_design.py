@@ -60,7 +60,8 @@ class Design:
         from scipy.stats import qmc
 
         sequence = qmc.Sobol(len(self.axes), scramble=True, rng=self.seed)
-        sequence.fast_forward(start)
+        if start > 0:
+            sequence.fast_forward(start)
         with warnings.catch_warnings():
             # It is balanced at powers of two, which a block of points need not be: the whole design counts.
             warnings.simplefilter("ignore", UserWarning)

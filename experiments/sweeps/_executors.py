@@ -59,11 +59,11 @@ class SpawnPool(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         pool = self._idle.get()
         try:
-            future = pool.submit(fn, *args, **kwargs)
+            future = _deaf_to_interrupts(pool.submit, fn, *args, **kwargs)
         except BrokenExecutor:
             # It was killed while it had nothing to do.
             pool = self._replace(pool)
-            future = pool.submit(fn, *args, **kwargs)
+            future = _deaf_to_interrupts(pool.submit, fn, *args, **kwargs)
         future.add_done_callback(lambda done: self._release(pool, done))
         return future
 
@@ -89,6 +89,17 @@ class SpawnPool(Executor):
             end.close()
 
 
+def _deaf_to_interrupts(start: Callable[..., Future[Any]], /, *args: Any, **kwargs: Any) -> Future[Any]:
+    """Start processes that never see Ctrl-C, not even while they import: a process inherits what is blocked."""
+    if not hasattr(signal, "pthread_sigmask"):
+        return start(*args, **kwargs)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return start(*args, **kwargs)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def available_cores() -> int:
     """How many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -97,7 +108,6 @@ def available_cores() -> int:
 def _prepare(alive: Connection, threads: int) -> None:
     """Make this process a worker: it leaves Ctrl-C to its parent, keeps to its cores, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     # Before JAX is imported: its number of threads, and not all of an accelerator's memory.
     for name in ("PJRT_NPROC", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = str(threads)

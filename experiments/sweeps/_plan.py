@@ -3,8 +3,9 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from .._errors import UserError
 from .._loading import Loaded, locate, read_text
@@ -13,7 +14,7 @@ from .._store import digests, run_folder
 from .._version import version
 from ._design import Axis, Kind, build
 from ._points import Points, check_values, representative
-from ._values import parse
+from ._values import Between, parse
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,9 @@ def plan(
     drawn = build(kind, axes, points=points, seed=0)
     fixed = tuple((key, None if values is not None else value) for key, value, values in parsed)
     first = Points(path, text, fixed, output, drawn, tuple(experiments))
-    # The seed of the design is that of the config, which is known when a point has been read.
+    # The seed of the design, and whether a key holds whole numbers, are known when a point has been read.
     base, _ = representative(first)
-    design = build(kind, axes, points=points, seed=base.config.seed)
+    design = build(kind, [_settled(axis, base) for axis in axes], points=points, seed=base.config.seed)
     all_points = Points(path, text, fixed, output, design, tuple(experiments))
     base, _ = representative(all_points)
     files = check_values(all_points, base)
@@ -83,6 +84,16 @@ def _parsed(argument: str):
             f"The argument `{argument}` must read key.path=values, for example wind.speed=4:24:2 or threshold=0.2,0.4."
         )
     return key, value, parse(key, value.strip())
+
+
+def _settled(axis: Axis, base: Loaded) -> Axis:
+    """An interval of whole numbers draws whole numbers only where its key holds such."""
+    if not isinstance(axis.values, Between):
+        return axis
+    value: Any = base.config
+    for name in axis.key.split("."):
+        value = getattr(value, name, None)
+    return Axis(axis.key, replace(axis.values, whole=axis.values.whole and isinstance(value, int)))
 
 
 def _identity(points: Points, base: Loaded, files: frozenset[str]) -> str:

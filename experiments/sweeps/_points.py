@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from .._errors import UserError
-from .._loading import CHOOSING, Loaded, resolve
+from .._loading import CHOOSING, Loaded, called, resolve
 from .._messages import paths, sentence
 from .._registry import Experiment
 from ._design import Axis, Design
@@ -126,7 +126,7 @@ def _check_value(key: str, value: Any, base: Loaded) -> tuple[str, ...]:
         if own and key in {path for path, _ in paths(model)}:
             message = sentence(error, model, data, lambda _: "on the command line")
             raise UserError(
-                f"{message} `jaxocean show {base.name}` lists every key with its range."
+                f"{message} `jaxocean show {called(base.path)}` lists every key with its range."
             ) from None
     return ()
 

@@ -21,6 +21,8 @@ STANDARD_NAMES = {"wind.speed": "wind_speed"}
 """CF's names of keys that are swept."""
 
 DONE, REASON = "done", "reason"
+QUANTITIES = "quantities"
+"""Attribute of the store: the names of what points have, in order."""
 
 
 def variable_name(key: str) -> str:
@@ -116,9 +118,8 @@ class Results:
             ) from error
         self.count: int = self._done.shape[0]
         self.chunk: int = self._done.chunks[0]
-        self._arrays = {
-            name: self.array(name) for name, array in self._group.arrays() if "coordinates" in array.attrs
-        }
+        # In the order in which they came: a folder has none.
+        self._arrays = {name: self.array(name) for name in str(self._group.attrs.get(QUANTITIES, "")).split()}
         self._coordinates = str(self._done.attrs["coordinates"])
 
     def array(self, name: str) -> zarr.Array:
@@ -129,7 +130,7 @@ class Results:
 
     def names(self) -> list[str]:
         """The quantities that points have."""
-        return [name for name in self._arrays if name not in (DONE, REASON)]
+        return list(self._arrays)
 
     def coordinates(self) -> list[str]:
         """The names of the swept keys."""
@@ -137,7 +138,7 @@ class Results:
 
     def attributes(self) -> dict[str, Any]:
         """What is said of the store as a whole."""
-        return dict(self._group.attrs)
+        return {name: value for name, value in self._group.attrs.items() if name != QUANTITIES}
 
     def spans(self) -> Iterator[tuple[int, int]]:
         """Start and stop of each chunk."""
@@ -212,4 +213,5 @@ class Results:
             overwrite=True,
         )
         self._arrays[name] = array
+        self._group.attrs[QUANTITIES] = " ".join(self._arrays)
         return array

@@ -92,16 +92,11 @@ def _answer(sweep: Sweep, result: Result) -> str:
 
 
 def _kind(design: Design) -> str:
-    return (
-        {
-            "cartesian": "every combination, " + " x ".join(map(str, design.shape)),
-            "zip": "side by side",
-            "sobol": f"Sobol sequence, seed {design.seed}",
-            "random": f"random, seed {design.seed}",
-        }[design.kind]
-        if design.kind != "cartesian"
-        else "every combination, " + " x ".join(map(str, design.shape))
-    )
+    if design.kind == "cartesian":
+        return "every combination, " + " x ".join(map(str, design.shape))
+    if design.kind == "zip":
+        return "side by side"
+    return f"{design.kind.title()} design, {design.count:,} points, seed {design.seed}"
 
 
 def _count(axis: Axis) -> Any:
@@ -135,8 +130,8 @@ def _range(results: Results, name: str) -> tuple[float, float, float]:
 def _failures(failed: int, reasons: list[tuple[str, int]]) -> list[str]:
     if not failed:
         return []
-    notes = [f"{failed:,} points failed (--retry-failed tries them again):"]
-    notes += [f"{count:,} times: {reason}" for reason, count in reasons[:SHOWN]]
+    notes = [f"Points that failed (--retry-failed tries them again): {failed:,}."]
+    notes += [f"{count:,} of them: {reason}" for reason, count in reasons[:SHOWN]]
     if len(reasons) > SHOWN:
         notes.append(f"and {len(reasons) - SHOWN:,} other reasons: the variable `reason` has them all.")
     return notes

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .._cache import keep_compiled_programs
+from .._errors import UserError
 from .._execute import is_ours, one_line
 from .._quantity import Quantity
 from .._registry import Experiment
@@ -65,4 +66,8 @@ def failure(task: Task, reason: str) -> Outcome:
 def reason_of(error: Exception) -> str:
     """Why a point failed, in one sentence."""
     said = one_line(error)
-    return said if is_ours(error) else f"{type(error).__name__}: {said} (unexpected)"
+    return (
+        said
+        if isinstance(error, UserError) or is_ours(error)
+        else f"{type(error).__name__}: {said} (unexpected)"
+    )

@@ -1,0 +1,277 @@
+"""Sweeps of toys in this process: what is in the store, what fails, what is found again, what is refused."""
+
+import json
+import shutil
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from _sweep_toys import compute, computed, plan
+
+from experiments._errors import UserError
+from experiments._quantity import udunits, unit_of_name
+from experiments.sweeps import find_finished
+from experiments.sweeps._executors import Inline
+from experiments.sweeps._export import _rows
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory):
+    """A finished cartesian sweep of numbers and names, run by run: the folder and its netCDF file."""
+    folder = tmp_path_factory.mktemp("grid")
+    log = folder / "log"
+    values = ("name=bee,ant", "value=0:6:2", "refuses=4", f"log={log}")
+    return folder, values, compute(plan(folder, "runs", *values))
+
+
+def test_a_cartesian_sweep_has_one_dimension_per_key(grid):
+    _, _, data = grid
+    assert data["square_m"].dims == ("name_index", "value")
+    assert data["value"].values.tolist() == [0, 2, 4, 6]
+    assert data["name"].values.tolist() == ["bee", "ant"]
+    np.testing.assert_array_equal(data["square_m"], [[0, 4, np.nan, 36]] * 2)
+    np.testing.assert_array_equal(data["is_bee"], [[1, 1, np.nan, 1], [0, 0, np.nan, 0]])
+
+
+def test_numbers_are_collected_by_their_dotted_names_and_keep_their_shape(grid):
+    _, _, data = grid
+    assert data["nested_list_of_numbers"].dims[:2] == ("name_index", "value")
+    np.testing.assert_array_equal(data["nested_list_of_numbers"][0, 1], [2, np.nan, 3])
+    np.testing.assert_array_equal(data["rows_x"][1, 3], [6, -6])
+    assert data["nested_list_of_numbers"].attrs["long_name"] == "nested.list, of numbers"
+    # The key `value` is the coordinate; the result of that name stands beside it.
+    np.testing.assert_array_equal(data["result_value"][0], [0, 2, np.nan, 6])
+    assert not {"nested_text", "nested_nothing", "rows_name"} & set(data.variables)
+
+
+def test_variables_carry_units_and_names(grid):
+    _, _, data = grid
+    assert data["square_m"].attrs["units"] == "m"
+    assert data["value"].attrs == {"units": "1", "long_name": "a number", "config_key": "value"}
+    assert data.attrs["Conventions"] == "CF-1.11"
+    assert data["done"].dtype == np.int8
+    assert data["done"].attrs["flag_meanings"] == "not_done done"
+
+
+def test_one_failed_point_is_recorded_with_its_reason_and_stops_nothing(grid):
+    _, _, data = grid
+    np.testing.assert_array_equal(data["done"], [[1, 1, 0, 1]] * 2)
+    assert data["reason"].values[:, 2].tolist() == ["The toy must not be 4."] * 2
+    assert set(data["reason"].values[data["done"].values == 1]) == {""}
+
+
+def test_the_zarr_store_says_the_same_point_by_point(grid):
+    folder, values, data = grid
+    store = plan(folder, "runs", *values).folder / "results.zarr"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        points = xr.open_zarr(store, consolidated=False, chunks=None).load()
+    assert set(points.coords) == {"name", "value"}
+    for name in ("square_m", "done", "reason", "rows_x"):
+        flat = data[name].values.reshape(8, *data[name].shape[2:])
+        np.testing.assert_array_equal(points[name].values.astype(flat.dtype), flat)
+    assert points["name"].values.tolist() == ["bee"] * 4 + ["ant"] * 4
+    assert points.attrs["title"].startswith("Sweep of runs")
+
+
+def test_a_folder_holds_config_design_provenance_tables_and_words(grid):
+    folder, values, _ = grid
+    sweep = plan(folder, "runs", *values)
+    finished = find_finished(sweep)
+    assert finished is not None
+    present = {path.name for path in finished.folder.iterdir()}
+    assert present == {
+        "config.yaml",
+        "provenance.json",
+        "report.md",
+        "result.json",
+        "results.nc",
+        "results.zarr",
+        "summary.txt",
+        "sweep.json",
+    }
+    about = json.loads((finished.folder / "sweep.json").read_text())
+    assert about["hash"] == sweep.digest
+    assert about["axes"][1] == {"key": "value", "values": [0, 2, 4, 6]}
+    assert "2 of them: The toy must not be 4." in finished.summary()
+    report = (finished.folder / "report.md").read_text()
+    assert "6 of 8 points of `name`, `value` were computed; 2 failed." in report
+    assert "`square_m` goes from 0 to 36" in report
+    code = report.partition("```python")[2].partition("```")[0]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], cwd=finished.folder, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_only_unfinished_and_on_demand_failed_points_are_computed_again(tmp_path):
+    log, mended = tmp_path / "log", tmp_path / "mended"
+    values = ("value=0:9:1", "refuses=4", f"log={log}", f"mended={mended}")
+    compute(plan(tmp_path, "runs", *values))
+    assert computed(log) == list(range(10))
+    sweep = plan(tmp_path, "runs", *values)
+    group = zarr.open_group(sweep.folder / "results.zarr", mode="r+", use_consolidated=False)
+    group["done"][6:8] = 0  # as if it had been killed there
+    log.unlink()
+    compute(sweep)
+    assert computed(log) == [6, 7]
+    log.unlink()
+    mended.touch()
+    assert compute(sweep)["done"].values.tolist() == [1, 1, 1, 1, 0, 1, 1, 1, 1, 1]
+    assert computed(log) == []
+    data = compute(sweep, retry_failed=True)
+    assert computed(log) == [4]
+    assert data["done"].values.all()
+    assert data["square_m"].values[4] == 16
+    assert "reason" not in data
+    log.unlink()
+    compute(sweep, force=True)
+    assert computed(log) == list(range(10))
+
+
+def test_a_mistake_of_ours_is_a_reason_too(tmp_path):
+    data = compute(plan(tmp_path, "runs", "value=1,2", "breaks=2"))
+    assert data["reason"].values[1] == "KeyError: 'a mistake of ours' (unexpected)"
+
+
+def test_a_sweep_in_which_nothing_works_says_why_and_keeps_its_store(tmp_path):
+    sweep = plan(tmp_path, "batch", "power=9", "x=1,2,3")
+    with pytest.raises(UserError, match=r"None of the 3 points could be computed: .*Nine is too much"):
+        compute(sweep)
+    assert find_finished(sweep) is None
+    assert sweep.folder.is_dir()
+
+
+def test_points_of_several_shapes_are_vmapped_apart_and_land_at_their_places(tmp_path):
+    values = ("y=null,2.5,[1.0,2.0],[1.0,2.0,3.0]", "power=0,1,9,3", "x=-2:700:1.5")
+    sweep = plan(tmp_path, "batch", *values)
+    data = compute(sweep)
+    assert data["result"].shape == (4, 4, 469)
+    x, powers, sums = data["x"].values, np.array([0, 1, 9, 3]), np.array([0, 2.5, 3, 6])
+    expected = x ** np.sort(powers)[:, None] + sums[:, None, None]
+    expected[:, 3] = np.nan
+    np.testing.assert_allclose(data["result"], expected, rtol=1e-14)
+    assert "Nine is too much" in str(data["reason"].values[0, 3, 0])
+    np.testing.assert_array_equal(np.isnan(data["root"].values[0, 0]), x < 0)
+    assert data["done"].values[:, :3].all()
+
+
+def test_a_number_that_must_be_one_and_is_not_fails_its_point(tmp_path):
+    data = compute(plan(tmp_path, "batch", "x=-101,-100,-99"))
+    assert data["done"].values.tolist() == [0, 0, 1]
+    assert data["reason"].values.tolist() == [
+        "The number `log` came out as nan.",
+        "The number `log` came out as -inf.",
+        "",
+    ]
+    assert np.isnan(data["result"].values[:2]).all()
+
+
+def test_batched_points_out_of_range_are_found_each(tmp_path, monkeypatch):
+    sweep = plan(tmp_path, "batch", "x=1:5:1")
+    monkeypatch.setattr("_sweep_toys.BatchConfig._most", 3.0)
+    data = compute(sweep)
+    assert data["done"].values.tolist() == [1, 1, 1, 0, 0]
+    assert data["reason"].values[3] == "Key `x` at this point must be at most 3, but is 4."
+
+
+@pytest.mark.parametrize("kind", ["zip", "random", "sobol"])
+def test_designs_that_are_no_grid_lie_along_points(tmp_path, kind):
+    drawn = kind != "zip"
+    values = ("x=0.5:2.5", "y=1:9") if drawn else ("x=0.5,2.5,1.5", "y=1,1,[2.0,1.0]")
+    data = compute(plan(tmp_path, "batch", *values, kind=kind, points=700 if drawn else None))
+    assert data["result"].dims == ("point",)
+    assert set(data.coords) == {"x", "y"}
+    if drawn:
+        np.testing.assert_allclose(data["result"], data["x"] ** 2 + data["y"], rtol=1e-14)
+    else:
+        assert data["y"].values.tolist() == ["1", "1", "[2.0,1.0]"]
+        np.testing.assert_allclose(data["result"], [1.25, 7.25, 5.25])
+
+
+def test_chunks_do_not_change_the_numbers(tmp_path, monkeypatch):
+    (tmp_path / "small").mkdir()
+    values = ("x=0.5:2.5", "y=1:9")
+    one = compute(plan(tmp_path, "batch", *values, kind="random", points=2000))
+    monkeypatch.setattr("experiments.sweeps._sweep.SMALLEST", 64)
+    sweep = plan(tmp_path / "small", "batch", *values, kind="random", points=2000)
+    many = compute(sweep)
+    assert len(list((sweep.folder / "results.zarr" / "done" / "c").iterdir())) > 20
+    xr.testing.assert_equal(one, many)
+
+
+@pytest.mark.parametrize(("shape", "inner"), [((3, 5, 7), 1), ((40, 2), 3), ((9,), 1), ((2, 3, 4, 5), 2)])
+def test_blocks_of_a_grid_follow_each_other_and_stay_small(shape, inner, monkeypatch):
+    monkeypatch.setattr("experiments.sweeps._export.BLOCK", 16)
+    numbers = np.arange(np.prod(shape)).reshape(shape)
+    last = 0
+    for where, start, stop in _rows(shape, inner):
+        assert start == last
+        assert numbers[where].ravel().tolist() == list(range(start, stop))
+        assert (stop - start) * inner <= max(16, inner)
+        last = stop
+    assert last == numbers.size
+
+
+def test_a_store_of_another_sweep_is_refused_and_kept(tmp_path):
+    first, second = (plan(tmp_path, "runs", f"value=1,{last}") for last in (2, 3))
+    compute(first)
+    shutil.copytree(first.folder, second.folder)
+    with pytest.raises(UserError, match=r"belongs to another sweep \(of runs, 2 points\).*--output"):
+        compute(second)
+    assert find_finished(second) is None
+    assert (second.folder / "results.nc").is_file()
+    assert compute(second, force=True)["square_m"].values.tolist() == [1, 9]
+
+
+@pytest.mark.parametrize("damage", ["sweep.json", "results.zarr/zarr.json", "results.zarr/done/zarr.json"])
+def test_a_damaged_store_is_one_sentence(tmp_path, damage):
+    sweep = plan(tmp_path, "runs", "value=1,2")
+    compute(sweep)
+    (sweep.folder / damage).write_text("{")
+    with pytest.raises(UserError, match="--force") as error:
+        compute(sweep)
+    assert "\n" not in str(error.value)
+
+
+def test_two_commands_do_not_write_one_store(tmp_path):
+    from experiments.sweeps._lock import locked
+
+    sweep = plan(tmp_path, "runs", "value=1,2")
+    sweep.folder.parent.mkdir()
+    with locked(sweep.folder), pytest.raises(UserError, match="Another process is working on"):
+        compute(sweep)
+    compute(sweep)
+    assert [path.name for path in sweep.folder.parent.iterdir()] == [sweep.folder.name]
+
+
+def test_an_error_of_a_task_comes_out_of_its_future():
+    with Inline() as executor:
+        assert executor.submit(divmod, 7, 2).result() == (3, 1)
+        assert isinstance(executor.submit(divmod, 7, 0).exception(), ZeroDivisionError)
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [("m/s", "m s-1"), ("rad/m", "rad m-1"), ("m^-2", "m-2"), ("-", "1"), ("", "1"), ("K", "K")],
+)
+def test_units_of_configs_are_written_as_udunits_has_them(unit, expected):
+    assert udunits(unit) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("peak_period_s", "s"),
+        ("files.a.wave_height_m", "m"),
+        ("wind_speed_m_per_s", "m s-1"),
+        ("k_rad_per_m", "rad m-1"),
+        ("jacobian_variance", "1"),
+    ],
+)
+def test_the_name_of_a_number_tells_its_unit(name, expected):
+    assert unit_of_name(name) == expected
