@@ -14,6 +14,7 @@ from ._jacobian import HardBreaking as HardBreaking
 from ._jacobian import SmoothBreaking as SmoothBreaking
 from ._jacobian import jacobian as jacobian
 from ._published_sea import PublishedSea as PublishedSea
+from ._published_sea import PublishedSea as PublishedSea
 from ._realised import realised_coverage as realised_coverage
 from ._statistics import StrainStatistics as StrainStatistics
 from ._statistics import strain_covariance as strain_covariance
