@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import optimistix as optx
 from jaxtyping import Array, Bool, Float
@@ -10,9 +11,15 @@ from jaxtyping import Array, Bool, Float
 from ._problem import Problem
 from ._solvers import AbstractSolver
 
+GAIN = 1e-6
+"""A minimum is reached where another step would lower the cost by less."""
+
+SINGULAR = 1e-10
+"""Added to a scaled curvature, so that numbers that cannot be separated make no equation singular."""
+
 
 class Minimum(NamedTuple):
-    """Where the cost is least, and whether the solver says so."""
+    """Where the cost is least, and whether it is one."""
 
     values: Float[Array, " p"]
     cost: Float[Array, ""]
@@ -45,7 +52,19 @@ def minimise(
     solution = optx.least_squares(
         residuals, solver.build(), origin, args=args, max_steps=solver.steps, throw=False
     )
-    rows = residuals(solution.value, args)
+    jacobian, rows = jax.jacfwd(lambda free: (residuals(free, args),) * 2, has_aux=True)(solution.value)
     cost = 0.5 * jnp.sum(rows**2)
-    converged = (solution.result == optx.RESULTS.successful) & jnp.isfinite(cost)
+    converged = jnp.isfinite(cost) & (_still_to_gain(jacobian, rows) < GAIN)
     return Minimum(values(problem, solution.value, start, held), cost, converged)
+
+
+def _still_to_gain(jacobian: Float[Array, "r p"], rows: Float[Array, " r"]) -> Float[Array, ""]:
+    """By how much one more Gauss–Newton step would lower the cost.
+
+    A solver that begins at the minimum itself finds no better point and calls that a failure: this does not.
+    """
+    own = jnp.sqrt(jnp.sum(jacobian**2, axis=0))
+    scaled = jacobian / jnp.where(own > 0, own, 1.0)
+    slope = scaled.T @ rows
+    curvature = scaled.T @ scaled + SINGULAR * jnp.eye(slope.size, dtype=rows.dtype)
+    return 0.5 * slope @ jnp.linalg.solve(curvature, slope)

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, PyTree
 
-from ._bounds import AbstractBounds
+from ._bounds import AbstractBounds, Real
 from ._fit import Free, Targets
 from ._minimise import Minimum, minimise
 from ._posed import pose
@@ -24,6 +24,9 @@ from ._target import Numbers, as_row
 
 POINTS, REACH = 41, 4.0
 """The default grid: so many values within so many standard errors of the fit."""
+
+WIDEST = 1.5
+"""Largest standard error on the sampler's line of a bounded parameter that the default grid believes."""
 
 BELOW = 1e-3
 """A cost this far below that of the fit means that the fit had not found the least one."""
@@ -143,7 +146,7 @@ def profile(
     **Arguments:** `model`, `free`, `targets`, `priors`, `solver`: as for `fit`, which runs first;
 
     - `parameter`: its name, as in the fit's `labels`.
-    - `grid`: values to try, in any order, inside its bounds; by default 41 within four standard errors.
+    - `grid`: values to try, in any order, inside its bounds; by default 41 within about four standard errors.
 
     **Returns:** `Profile`.
 
@@ -183,9 +186,13 @@ def _grid(
     grid: Numbers | None, best: float, error: float, bounds: AbstractBounds, name: str
 ) -> Float[np.ndarray, " n"]:
     if grid is None:
-        values = best + error * np.linspace(-REACH, REACH, POINTS)
-        inside = [bounds.contains(np.asarray(value)) for value in values]
-        return values[np.asarray(inside)]
+        # Even steps on the sampler's line, where no value is out of bounds.
+        with jax.enable_x64(True):
+            line = bounds.stretch(jnp.asarray(best))
+            step = error / np.exp(float(bounds.shrink(line)[1]))
+            step = step if isinstance(bounds, Real) else min(step, WIDEST)
+            values = np.unique(bounds.shrink(line + step * jnp.linspace(-REACH, REACH, POINTS))[0])
+        return values[[bounds.contains(np.asarray(value)) for value in values]]
     values = np.unique(np.asarray(as_row(grid), float).ravel())
     if values.size < 2:
         raise ValueError(f"Argument `grid` must hold at least two different values, but holds {values.size}.")
