@@ -45,31 +45,59 @@ def unresolved_breaking(cascade: jo.surface.Cascade, breaking_wavenumber: float 
     ]
 
 
-def dispersion(config: schema.SpectrumConfig) -> jo.spectra.Dispersion:
-    """The dispersion relation that goes with a spectrum: deep water unless it has a depth."""
-    return jo.spectra.Dispersion(config.depth if isinstance(config, schema.TmaConfig) else None)
+def dispersion(
+    config: schema.SpectrumConfig, *, depth: float | None = None, surface_tension: float = 0.0
+) -> jo.spectra.Dispersion:
+    """The dispersion relation that goes with a spectrum: its own depth [m] if it has one, else `depth`."""
+    own = config.depth if isinstance(config, schema.TmaConfig) else depth
+    return jo.spectra.Dispersion(own, surface_tension)
 
 
-def spectrum(config: schema.SpectrumConfig, over: jo.Wind) -> jo.spectra.AbstractSpectrum:
-    """The spectrum of a config under the wind `over`."""
-    built = _spectrum(config, over)
+def spectrum(
+    config: schema.SpectrumConfig, over: jo.Wind, relation: jo.spectra.Dispersion | None = None
+) -> jo.spectra.AbstractSpectrum:
+    """The spectrum of a config under the wind `over`, with its swell.
+
+    `relation` turns frequencies into wavenumbers where the spectrum is one of frequency: that of `dispersion` if None.
+    """
+    relation = dispersion(config) if relation is None else relation
+    built = _spectrum(config, over, relation)
     # A sweep puts traced numbers into configs; the usual factor of one costs nothing.
-    return built if isinstance(config.scale, float) and config.scale == 1.0 else config.scale * built
+    if not (isinstance(config.scale, float) and config.scale == 1.0):
+        built = config.scale * built
+    return built if config.swell is None else built + swell(config.swell, over, relation)
 
 
-def _spectrum(config: schema.SpectrumConfig, over: jo.Wind) -> jo.spectra.AbstractSpectrum:
+def swell(
+    config: schema.SwellConfig, over: jo.Wind, relation: jo.spectra.Dispersion | None = None
+) -> jo.spectra.Swell:
+    """The swell of a config."""
+    return jo.spectra.Swell(
+        significant_wave_height=config.significant_wave_height,
+        peak_period=config.peak_period,
+        width=config.width,
+        direction=config.direction,
+        spreading=spreading(config.spreading, over),
+        dispersion=jo.spectra.Dispersion() if relation is None else relation,
+    )
+
+
+def _spectrum(
+    config: schema.SpectrumConfig, over: jo.Wind, relation: jo.spectra.Dispersion
+) -> jo.spectra.AbstractSpectrum:
     match config:
         case schema.ElfouhailyConfig():
             return jo.spectra.Elfouhaily(over, config.inverse_wave_age, half_plane=config.half_plane)
         case schema.PiersonMoskowitzConfig():
-            return jo.spectra.PiersonMoskowitz.from_wind(over, spreading=spreading(config.spreading, over))
+            law = spreading(config.spreading, over)
+            return jo.spectra.PiersonMoskowitz.from_wind(over, spreading=law, dispersion=relation)
         case schema.JonswapConfig():
-            return _jonswap(config, over)
+            return _jonswap(config, over, relation)
         case schema.TmaConfig():
             return jo.spectra.TMA(
                 significant_wave_height=config.significant_wave_height,
                 peak_period=config.peak_period,
-                dispersion=dispersion(config),
+                dispersion=relation,
                 peak_enhancement=config.peak_enhancement,
                 direction=over.direction,
                 spreading=spreading(config.spreading, over),
@@ -93,7 +121,9 @@ def _spectrum(config: schema.SpectrumConfig, over: jo.Wind) -> jo.spectra.Abstra
             )
 
 
-def _jonswap(config: schema.JonswapConfig, over: jo.Wind) -> jo.spectra.AbstractSpectrum:
+def _jonswap(
+    config: schema.JonswapConfig, over: jo.Wind, relation: jo.spectra.Dispersion
+) -> jo.spectra.AbstractSpectrum:
     law = spreading(config.spreading, over)
     if config.significant_wave_height is not None and config.peak_period is not None:
         return jo.spectra.JONSWAP(
@@ -102,13 +132,16 @@ def _jonswap(config: schema.JonswapConfig, over: jo.Wind) -> jo.spectra.Abstract
             peak_enhancement=config.peak_enhancement,
             direction=over.direction,
             spreading=law,
+            dispersion=relation,
         )
     if over.fetch is None:
         raise UserError(
             "The spectrum `jonswap` needs either `wind.fetch` (for example wind.fetch=50e3), "
             "or both `spectrum.significant_wave_height` and `spectrum.peak_period`."
         )
-    return jo.spectra.JONSWAP.from_fetch(over, peak_enhancement=config.peak_enhancement, spreading=law)
+    return jo.spectra.JONSWAP.from_fetch(
+        over, peak_enhancement=config.peak_enhancement, spreading=law, dispersion=relation
+    )
 
 
 def spreading(config: schema.SpreadingConfig, over: jo.Wind) -> spreadings.AbstractSpreading:

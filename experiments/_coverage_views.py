@@ -105,8 +105,10 @@ def _mark(axes: Axes, threshold: float) -> None:
 
 
 def _title(numbers: Mapping[str, float], config: schema.CoverageConfig) -> str:
+    swell = config.spectrum.swell
+    beside = "" if swell is None else f" and swell of {swell.significant_wave_height:g} m"
     return (
-        f"{config.spectrum.family.replace('_', '-').title()}, U10 = {config.wind.speed:g} m/s, "
+        f"{config.spectrum.family.replace('_', '-').title()}{beside}, U10 = {config.wind.speed:g} m/s, "
         f"Hs = {numbers['significant_wave_height']:.3g} m, λ = {_choppiness(config)}, {limit(config)}"
     )
 

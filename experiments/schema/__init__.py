@@ -36,3 +36,4 @@ from ._spectra import SpectrumConfig as SpectrumConfig
 from ._spectra import SpreadingConfig as SpreadingConfig
 from ._spectra import TessendorfConfig as TessendorfConfig
 from ._spectra import TmaConfig as TmaConfig
+from ._spectra import SwellConfig as SwellConfig

@@ -71,4 +71,6 @@ _NUMBERS = {
         "smallest_wave",
     ),
     "spectrum.spreading": ("inverse_wave_age", "s", "s_max"),
+    "spectrum.swell": ("significant_wave_height", "peak_period", "direction", "width"),
+    "spectrum.swell.spreading": ("inverse_wave_age", "s", "s_max"),
 }

@@ -1,5 +1,6 @@
 """The section `spectrum`: one family of wave spectra, each with keys of its own."""
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -50,8 +51,34 @@ def _spreading():
     return key(MitsuyasuSpreading(), meaning="how energy spreads over directions")
 
 
+class SwellConfig(Section):
+    """A second wave system, narrow and without a tail, that is added to the spectrum."""
+
+    significant_wave_height: float = key(2.0, unit="m", meaning="Hs of the swell; 0: none", ge=0, le=50)
+    peak_period: float = key(12.0, unit="s", meaning="Tp of the swell", gt=0, le=60)
+    direction: float = key(
+        0.0,
+        unit="rad",
+        meaning="travels towards, counter-clockwise from +x (east), like `wind.direction`",
+        within="-2π to 2π",
+        ge=-2 * math.pi,
+        le=2 * math.pi,
+    )
+    width: float = key(0.1, unit="-", meaning="σ/f_p of the bell in frequency", ge=0.01, le=0.3)
+    spreading: SpreadingConfig = key(
+        MitsuyasuSpreading(s_max=75.0), meaning="how its energy spreads over directions"
+    )
+
+
 def _scale():
-    return key(1.0, unit="-", meaning="factor on the variance", ge=0, le=1e4)
+    return key(1.0, unit="-", meaning="factor on the variance, without the swell", ge=0, le=1e4)
+
+
+def _swell():
+    return key(
+        None,
+        meaning="swell besides it (significant_wave_height, peak_period, direction, width, spreading); null: none",
+    )
 
 
 class ElfouhailyConfig(Section):
@@ -63,6 +90,7 @@ class ElfouhailyConfig(Section):
     )
     half_plane: bool = key(False, meaning="only waves that travel downwind, energy unchanged")
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
 
 class PiersonMoskowitzConfig(Section):
@@ -71,6 +99,7 @@ class PiersonMoskowitzConfig(Section):
     family: Literal["pierson_moskowitz"] = key("pierson_moskowitz", meaning="family of spectra")
     spreading: SpreadingConfig = _spreading()
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
 
 class JonswapConfig(Section):
@@ -86,6 +115,7 @@ class JonswapConfig(Section):
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
     spreading: SpreadingConfig = _spreading()
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -107,6 +137,7 @@ class TmaConfig(Section):
     peak_enhancement: float = key(3.3, unit="-", meaning="peak enhancement γ", ge=1, le=20)
     spreading: SpreadingConfig = _spreading()
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
 
 class PhillipsConfig(Section):
@@ -124,6 +155,7 @@ class PhillipsConfig(Section):
     )
     opposing: float = key(1.0, unit="-", meaning="share that waves against the wind keep", ge=0, le=1)
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
 
 class TessendorfConfig(Section):
@@ -144,6 +176,7 @@ class TessendorfConfig(Section):
     )
     opposing: float = key(1.0, unit="-", meaning="share that waves against the wind keep", ge=0, le=1)
     scale: float = _scale()
+    swell: SwellConfig | None = _swell()
 
 
 SpectrumConfig = Annotated[

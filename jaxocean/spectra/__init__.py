@@ -1,6 +1,8 @@
 """Directional wavenumber spectra Ψ(kx, ky) [m⁴], their dispersion relation, spreading and moments."""
 
 from ._breaking import breaking_filter as breaking_filter
+from ._bulk import WindSeaAndSwell as WindSeaAndSwell
+from ._bulk import wind_sea_and_swell as wind_sea_and_swell
 from ._dispersion import Dispersion as Dispersion
 from ._elfouhaily import Elfouhaily as Elfouhaily
 from ._frequency import AbstractFrequencySpectrum as AbstractFrequencySpectrum
@@ -21,6 +23,7 @@ from ._spectrum import Harmonics as Harmonics
 from ._spectrum import ScaledSpectrum as ScaledSpectrum
 from ._spectrum import SumSpectrum as SumSpectrum
 from ._spectrum import integrate_harmonics as integrate_harmonics
+from ._swell import Swell as Swell
 from ._tma import TMA as TMA
 from .measured import AbstractTail as AbstractTail
 from .measured import ElfouhailyTail as ElfouhailyTail
