@@ -9,6 +9,9 @@ from ._coverage import CoveragePoints as CoveragePoints
 from ._coverage_probability import coverage_probability as coverage_probability
 from ._coverage_shares import CoverageProbability as CoverageProbability
 from ._coverage_shares import Share as Share
+from ._ensemble import Calibrated as Calibrated
+from ._ensemble import Ensemble as Ensemble
+from ._ensemble import ensemble as ensemble
 from ._errors import FitError as FitError
 from ._fit import fit as fit
 from ._fit import solve_values as solve_values
@@ -48,3 +51,4 @@ from ._target import AbstractTarget as AbstractTarget
 from ._target import FreeScatter as FreeScatter
 from ._target import KnownScatter as KnownScatter
 from ._target import TargetSum as TargetSum
+from ._total_model import TotalCoverageModel as TotalCoverageModel

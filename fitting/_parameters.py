@@ -28,6 +28,7 @@ VOCABULARY: dict[str, tuple[str, AbstractBounds]] = {
     "significant_wave_height": ("m", Positive()),
     "peak_period": ("s", Positive()),
     "peak_enhancement": ("-", Positive()),
+    "decay_time": ("s", Positive()),
     "depth": ("m", Positive()),
     "factor": ("-", Positive()),
     "coefficient": ("-", Positive()),
