@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from ._errors import UserError
+from ._errors import Interrupted, UserError
 from ._version import version
 
 app = typer.Typer(
@@ -68,8 +68,11 @@ def run(
         # Libraries that set up logging make JAX chat about accelerators that are not there.
         logging.getLogger("jax").setLevel(logging.WARNING)
         keep_compiled_programs()
-        with bars(Console(stderr=True)) as progress:
-            finished = execute(loaded, progress)
+        try:
+            with bars(Console(stderr=True)) as progress:
+                finished = execute(loaded, progress)
+        except KeyboardInterrupt:
+            raise Interrupted("Interrupted: nothing was kept of the unfinished run.") from None
     sys.stdout.write(finished.summary())
     origin = finished.provenance()
     if found:
@@ -163,8 +166,8 @@ def main() -> None:
     except UserError as error:
         print(f"Error: {error}", file=sys.stderr)
         sys.exit(2)
-    except KeyboardInterrupt as interrupt:
-        print(interrupt or "Interrupted: nothing was kept of the unfinished run.", file=sys.stderr)
+    except Interrupted as interrupt:
+        print(interrupt, file=sys.stderr)
         sys.exit(130)
 
 

@@ -4,6 +4,10 @@ import difflib
 from collections.abc import Iterable
 
 
+class Interrupted(Exception):
+    """Ctrl-C, with a sentence that says what is kept; the command line's parser swallows a `KeyboardInterrupt`."""
+
+
 class UserError(Exception):
     """What is wrong, where it stands, what to do: one sentence each, and nothing else is shown."""
 

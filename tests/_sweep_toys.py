@@ -1,5 +1,6 @@
 """Experiments without physics to sweep, one run per point or vmapped; also the command line with them."""
 
+import math
 import os
 import signal
 import time
@@ -59,6 +60,7 @@ def run(config: RunsConfig, progress: Any, store: Any) -> Result:
             "ragged": list(range(1 + value % 2)),
             "value": value,
             "is_bee": config.name == "bee",
+            "wide": [math.sin(value + 0.1 * i) for i in range(64)],
         }
     )
 
@@ -133,7 +135,12 @@ def computed(log: Path) -> list[int]:
     return [int(line.split()[1]) for line in log.read_text().splitlines()] if log.exists() else []
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """The command line with toys."""
     original = sweeps.plan
     sweeps.plan = lambda *args, **kwargs: original(*args, experiments=TOYS, **kwargs)
     __main__.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from .._errors import UserError
+from .._errors import Interrupted, UserError
 from .._provenance import provenance
 from .._report import render
 from .._result import Result, jsonable
@@ -77,7 +77,7 @@ def run(sweep: Sweep, open_executor: Open, watch: Watch, *, retry_failed: bool, 
     except OSError as error:
         raise UserError(_unwritable(sweep, error)) from error
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"Interrupted: {_kept(sweep)}") from None
+        raise Interrupted(f"Interrupted: {_kept(sweep)}") from None
     return FinishedRun(sweep.folder)
 
 
@@ -88,7 +88,7 @@ def _found(sweep: Sweep) -> None:
     shutil.rmtree(making, ignore_errors=True)
     making.mkdir(parents=True)
     about = {"hash": sweep.digest, "config": sweep.base.name, "points": design.count, **design.canonical()}
-    (making / ABOUT).write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    (making / ABOUT).write_text(json.dumps(about) + "\n", encoding="utf-8")
     config = sweep.base.config.model_dump(mode="json", exclude={"output"})
     (making / "config.yaml").write_text(
         yaml.safe_dump(config, sort_keys=False, allow_unicode=True), encoding="utf-8"
