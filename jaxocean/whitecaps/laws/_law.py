@@ -2,7 +2,7 @@
 
 import abc
 import warnings
-from typing import TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -30,12 +30,14 @@ class AbstractLaw(eqx.Module):
     of ten at one wind speed, and most laws count total foam, active and decaying.
 
     **Class attributes:** `name`, what tables and plots call the law; `citation`, its source; `range`, the
-    lowest and highest U10 [m/s] of the data behind it.
+    lowest and highest U10 [m/s] of the data behind it; `foam`, what it counts: all of it, or only what
+    breaks now, or only what is left of it.
     """
 
     name: AbstractClassVar[str]
     citation: AbstractClassVar[str]
     range: AbstractClassVar[tuple[float, float]]
+    foam: ClassVar[Literal["total", "active", "decaying"]] = "total"
 
     @abc.abstractmethod
     def coverage(self, wind: Wind) -> Scalar:

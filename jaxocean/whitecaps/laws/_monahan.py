@@ -1,6 +1,6 @@
 """The laws of Monahan and his co-workers."""
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import jax.numpy as jnp
 
@@ -87,6 +87,7 @@ class MonahanLu1990StageB(AbstractLaw):
     """
 
     name: ClassVar[str] = "Monahan & Lu 1990 (stage B)"
+    foam: ClassVar[Literal["total", "active", "decaying"]] = "decaying"
     citation: ClassVar[str] = "Monahan & Lu 1990, IEEE J. Oceanic Eng. 15, 340-349"
     range: ClassVar[tuple[float, float]] = (2.5, 20.0)
 
@@ -105,6 +106,7 @@ class MonahanLu1990StageA(AbstractLaw):
     """
 
     name: ClassVar[str] = "Monahan & Lu 1990 (stage A)"
+    foam: ClassVar[Literal["total", "active", "decaying"]] = "active"
     citation: ClassVar[str] = "Monahan & Lu 1990, IEEE J. Oceanic Eng. 15, 340-349"
     range: ClassVar[tuple[float, float]] = (2.5, 20.0)
 
