@@ -12,7 +12,8 @@ from jaxtyping import Array, Bool, Float
 
 from .._numerics import as_leaf
 from .._types import FloatLike
-from ._quadratic_form import Form, PartialMoments, jacobian_form, partial_moments
+from ._inversion import PartialMoments, partial_moments
+from ._quadratic_form import Form, jacobian_form
 from ._statistics import StrainStatistics
 
 Measure = Literal["projected", "rest"]
@@ -79,18 +80,22 @@ def _exact_log(
     shape = jnp.broadcast_shapes(mean.shape[:-1], threshold.shape)
     level = jnp.broadcast_to(threshold.astype(dtype), shape)
     mean = jnp.broadcast_to(mean, (*shape, 3))
-    # A sea without strain is replaced by a harmless one, lest its derivatives be NaN.
-    calm = jnp.broadcast_to(jnp.trace(covariance, axis1=-2, axis2=-1) <= jnp.finfo(dtype).tiny ** 0.5, shape)
-    form = jacobian_form(mean, jnp.where(calm[..., None, None], jnp.eye(3, dtype=dtype), covariance))
-    j = (1 + mean[..., 0]) * (1 + mean[..., 1]) - mean[..., 2] ** 2
+    # A sea without strain is replaced by a harmless one, lest its derivatives be NaN. The others get a trace of
+    # isotropic strain, so that rounding does not leave them a negative variance.
+    size = jnp.trace(covariance, axis1=-2, axis2=-1)
+    calm = jnp.broadcast_to(size <= jnp.finfo(dtype).tiny ** 0.5, shape)
+    trace = (jnp.finfo(dtype).eps * size)[..., None, None] * jnp.eye(3, dtype=dtype)
+    form = jacobian_form(mean, jnp.where(calm[..., None, None], jnp.eye(3, dtype=dtype), covariance + trace))
+    value = _log_rest(form, level) if measure == "rest" else _log_projected(form, level)
+    return jnp.where(calm, _log_still(form.n, level, measure), value)
+
+
+def _log_still(j: Float[Array, "*b"], level: Float[Array, "*b"], measure: Measure) -> Float[Array, "*b"]:
+    """The same where the strain does not vary: the Heaviside function, times |j| if seen from above."""
     if measure == "rest":
-        value, all_breaks = _log_rest(form, level), jnp.zeros_like(j)
-    else:
-        value, all_breaks = (
-            _log_projected(form, level),
-            jnp.log(jnp.maximum(jnp.abs(j), jnp.finfo(dtype).tiny)),
-        )
-    return jnp.where(calm, jnp.where(j < level, all_breaks, -jnp.inf), value)
+        return jnp.where(j < level, 0.0, -jnp.inf)
+    seen = (j < level) & ((j > 0) | (j < -FOLD * level))
+    return jnp.where(seen, jnp.log(jnp.where(seen, jnp.abs(j), 1.0)), -jnp.inf)
 
 
 def _log_rest(form: Form, level: Float[Array, "*b"]) -> Float[Array, "*b"]:
@@ -107,7 +112,7 @@ def _log_projected(form: Form, level: Float[Array, "*b"]) -> Float[Array, "*b"]:
     both = partial_moments(form, jnp.stack([level, -FOLD * jnp.abs(level)]))
     m, fold = (PartialMoments(*(x[i] for x in both)) for i in range(2))
     # E[j; j < ε] = E[j] − E[j; j > ε]
-    mean = form.n0 + form.t1
+    mean = form.n + form.t1
     whole = jnp.where(m.upper, mean - jnp.exp(jnp.where(m.upper, m.exponent, 0.0)) * m.moment, m.moment)
     exponent = jnp.where(m.upper, 0.0, m.exponent)
     deep = fold.moment * jnp.exp(jnp.where(positive, fold.exponent - exponent, 0.0))
@@ -149,11 +154,8 @@ class GaussianClosure(AbstractClosure):
         deviation = jnp.sqrt(jnp.where(calm, 1.0, variance))
         level = jnp.asarray(threshold).astype(mean.dtype)
         rest = log_ndtr((level - mean) / deviation)
-        if self.measure == "rest":
-            value, still = rest, jnp.zeros_like(mean)
-        else:
-            value, still = _gaussian_projected(level, mean, deviation), jnp.log(jnp.abs(mean))
-        return jnp.where(calm, jnp.where(mean < level, still, -jnp.inf), value)
+        value = rest if self.measure == "rest" else _gaussian_projected(level, mean, deviation)
+        return jnp.where(calm, _log_still(mean, level, self.measure), value)
 
 
 def _gaussian_projected(level, mean, deviation) -> Float[Array, "*b"]:
