@@ -49,8 +49,12 @@ def dispersion(
     config: schema.SpectrumConfig, *, depth: float | None = None, surface_tension: float = 0.0
 ) -> jo.spectra.Dispersion:
     """The dispersion relation that goes with a spectrum: its own depth [m] if it has one, else `depth`."""
-    own = config.depth if isinstance(config, schema.TmaConfig) else depth
-    return jo.spectra.Dispersion(own, surface_tension)
+    return jo.spectra.Dispersion(water_depth(config, depth), surface_tension)
+
+
+def water_depth(config: schema.SpectrumConfig, depth: float | None) -> float | None:
+    """The depth [m] that a spectrum has, else `depth`; None for deep water."""
+    return config.depth if isinstance(config, schema.TmaConfig) else depth
 
 
 def spectrum(

@@ -1,5 +1,8 @@
 """Pictures and data files of a sea state: its spectrum, and maps of one realisation."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
 from jaxocean.surface import Cascade
@@ -66,6 +69,34 @@ def plot_maps(store: Files, maps: dict[str, np.ndarray], config: schema.SeaState
         store.picture("folding", fig)
 
 
+def report(values: Mapping[str, Any], config: schema.SeaStateConfig, notes: Sequence[str]) -> str:
+    """`report.md`."""
+    swell, coverage, depth = config.spectrum.swell, values["coverage"], values["depth_m"]
+    beside = (
+        ""
+        if swell is None
+        else f" with swell of {swell.significant_wave_height:g} m and {swell.peak_period:g} s towards "
+        f"{swell.direction:.3g} rad"
+    )
+    water = "deep water" if depth is None else f"water of {depth:g} m"
+    listed = "".join(f"\n- {note}" for note in notes)
+    return f"""# {config.title or "A sea state"}
+
+The sea ({config.spectrum.family} at U10 = {config.wind.speed:g} m/s{beside}, {water}) has a significant wave height \
+of {float(values["significant_wave_height_m"]):.4g} m, a peak period of {float(values["peak_period_s"]):.4g} s and a \
+mean-square slope of {values["bands"][0]["mss"]:.4g}.
+
+At ε = {config.threshold:g} whitecaps cover {100 * float(coverage["exact, projected area"]):.3g} % of it as seen from \
+above and {100 * float(coverage["exact, rest area"]):.3g} % of its plane at rest (exact closure). On the square of \
+{config.map.close_up:g} m that is drawn it is {100 * values["coverage_of_the_map"]:.3g} % of the plane at rest: one \
+place at one time.
+
+![the spectrum](spectrum.png)
+
+![the height](height.png)
+{listed}"""
+
+
 def save(
     store: Files, curves: dict[str, np.ndarray], maps: dict[str, np.ndarray], config: schema.SeaStateConfig
 ) -> None:
@@ -128,6 +159,8 @@ def save(
         title="One realisation of a sea state",
         attributes={
             "time_s": config.time,
+            "depth_m": config.depth or "deep, or that of the spectrum",
+            "repeat_period_s": config.repeat_period or "none",
             "choppiness": np.atleast_1d(config.choppiness),
             "breaking_wavenumber_rad_per_m": config.breaking_wavenumber or "none",
         },

@@ -42,9 +42,9 @@ CLOSURES = (
 def run(config: schema.SeaStateConfig, progress: Reporter, store: Files) -> Result:
     """Describe the sea of a config; see `schema.SeaStateConfig`."""
     progress.step("Integrating the spectrum")
-    spectrum = _build.spectrum(config.spectrum, _build.wind(config.wind))
+    relation = _build.dispersion(config.spectrum, depth=config.depth, surface_tension=config.surface_tension)
+    spectrum = _build.spectrum(config.spectrum, _build.wind(config.wind), relation)
     cascade = _build.cascade(config.cascade)
-    relation = _build.dispersion(config.spectrum)
     state = _describe(
         spectrum, cascade, relation, config.choppiness, config.threshold, config.breaking_wavenumber
     )
@@ -52,12 +52,22 @@ def run(config: schema.SeaStateConfig, progress: Reporter, store: Files) -> Resu
     _sea_views.plot_spectrum(store, curves, cascade, float(state.wave_height[0]), float(state.peak_period))
 
     progress.step("Realising the sea")
-    sea = jo.surface.realise(spectrum, cascade, key=jax.random.key(config.seed), dispersion=relation)
+    sea = jo.surface.realise(
+        spectrum,
+        cascade,
+        key=jax.random.key(config.seed),
+        dispersion=relation,
+        repeat_period=config.repeat_period,
+    )
     progress.step("Drawing the maps")
     maps = _maps(sea, config)
     _sea_views.plot_maps(store, maps, config)
     _sea_views.save(store, curves, maps, config)
-    return _result(state, cascade, config, breaking_share=float(np.mean(maps["jacobian"] < config.threshold)))
+    result = _result(
+        state, cascade, config, breaking_share=float(np.mean(maps["jacobian"] < config.threshold))
+    )
+    store.text("report.md", _sea_views.report(result.values, config, result.notes))
+    return result
 
 
 @eqx.filter_jit
@@ -153,6 +163,7 @@ def _result(
             "coverage_of_the_map": breaking_share,
             "threshold": config.threshold,
             "breaking_wavenumber_rad_per_m": config.breaking_wavenumber,
+            "depth_m": _build.water_depth(config.spectrum, config.depth),
         },
         tables=(
             Table(

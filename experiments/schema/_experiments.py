@@ -16,7 +16,7 @@ from ._sea import (
     choppiness_key,
     threshold_key,
 )
-from ._spectra import ElfouhailyConfig, SpectrumConfig
+from ._spectra import ElfouhailyConfig, SpectrumConfig, TmaConfig
 
 
 class MapConfig(Section):
@@ -39,10 +39,21 @@ class SeaStateConfig(ExperimentConfig):
     breaking_wavenumber: float | None = breaking_wavenumber_key()
     map: MapConfig = key(MapConfig(), meaning="the squares of sea that are drawn")
     time: float = key(0.0, unit="s", meaning="time of the realisation", ge=0, le=1e9)
+    depth: float | None = key(
+        None, unit="m", meaning="water depth; null: deep, or that of the spectrum `tma`", gt=0, le=12000
+    )
+    surface_tension: float = key(
+        0.0, unit="m^3/s^2", meaning="γ_s/ρ in the dispersion: 0 none, 7.2e-5 clean sea water", ge=0, le=1e-3
+    )
+    repeat_period: float | None = key(
+        None, unit="s", meaning="the sea repeats exactly after it; null: never", ge=1, le=1e7
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         check_choppiness(self.choppiness, len(self.cascade.sizes))
+        if self.depth is not None and isinstance(self.spectrum, TmaConfig):
+            raise wrong("depth", "be null, since the spectrum `tma` has a key `spectrum.depth` of its own")
         return self
 
 

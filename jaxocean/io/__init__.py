@@ -1,12 +1,17 @@
 """Files in and out: measured spectra."""
 
+from ._dataset import SpectrumRecords as SpectrumRecords
+from ._dataset import WindOrigin as WindOrigin
 from ._dataset import spectrum_from_dataset as spectrum_from_dataset
 from ._dataset import wind_from_dataset as wind_from_dataset
+from ._dataset import wind_origin as wind_origin
 from ._negative import AbstractNegativeCells as AbstractNegativeCells
 from ._negative import Clip as Clip
 from ._negative import ClipAndRenormalise as ClipAndRenormalise
 from ._negative import MaximumEntropy as MaximumEntropy
 from ._read import open_spectra as open_spectra
 from ._read import read_spectrum as read_spectrum
+from ._ships import ShipRecords as ShipRecords
+from ._ships import read_ship_records as read_ship_records
 from ._write import dataset_from_spectrum as dataset_from_spectrum
 from ._write import write_spectrum as write_spectrum

@@ -1,11 +1,18 @@
 """From a wavespectra-style dataset to a spectrum: conventions checked, units converted."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from ..spectra import AbstractTail, Dispersion, MeasuredSpectrum, PowerTail
 from ..wind import Wind
+from ._conventions import (
+    checked_variable,
+    columns_by_angle,
+    directions,
+    frequencies,
+    highest_with_energy,
+)
 from ._negative import AbstractNegativeCells, ClipAndRenormalise, repair
 
 if TYPE_CHECKING:
@@ -13,6 +20,10 @@ if TYPE_CHECKING:
 
 Record = int | dict[str, int]
 """Which spectrum of a file: its index in time, or an index for each dimension by name."""
+
+WindOrigin: TypeAlias = Literal["measured", "model", "derived", "unknown"]
+ORIGIN = "wind_origin"
+"""The attribute of `wspd` in which readers say where it comes from."""
 
 
 def spectrum_from_dataset(
@@ -47,37 +58,74 @@ def spectrum_from_dataset(
     direction or unit convention, directions that do not cover the circle evenly, missing values) and what to
     do about it.
     """
-    efth = _checked_variable(dataset)
-    one = _select(efth, record, strict=True)
-    frequency = _frequencies(one)
-    degrees = _directions(one)
-    table = np.asarray(one.transpose("freq", "dir").values, np.float64)
-    rows = (frequency > 0) & (frequency <= _highest_with_energy(efth, frequency))
-    if cut_off is not None:
-        rows &= frequency <= cut_off
-    order = np.argsort(frequency)
-    order = order[rows[order]]
-    if order.size < 2:
-        raise ValueError(
-            f"Only {order.size} frequencies of the record have energy below the cut-off: "
-            "choose another `record` or a higher `cut_off`."
-        )
-    frequency, table = frequency[order], table[order]
-    if not np.isfinite(table).all():
-        share = 1 - np.isfinite(table).mean()
-        raise ValueError(
-            f"Variable `efth` has missing values in {share:.0%} of record {record}: choose another `record`."
-        )
-    table, first = _columns_by_angle(table, degrees)
-    angles = first + 2 * np.pi / table.shape[1] * np.arange(table.shape[1])
-    table = repair(table, angles, ClipAndRenormalise() if negative is None else negative)
-    return MeasuredSpectrum(
-        table * (180 / np.pi),
-        frequency,
-        first,
-        tail=PowerTail() if tail is None else tail,
-        dispersion=_dispersion(dataset, record) if dispersion is None else dispersion,
+    return SpectrumRecords(dataset, cut_off=cut_off, negative=negative).spectrum(
+        record, tail=tail, dispersion=dispersion
     )
+
+
+class SpectrumRecords:
+    """All records of a dataset as spectra of one shape, so that they can be stacked and mapped over.
+
+    The dataset is checked once; each record then costs no more than itself, however many there are.
+
+    **Arguments:** `dataset`, `cut_off`, `negative` as in `spectrum_from_dataset`.
+
+    **Raises:** `ValueError` as `spectrum_from_dataset` does, for what is wrong with the dataset as a whole.
+    """
+
+    def __init__(
+        self,
+        dataset: "xarray.Dataset",
+        *,
+        cut_off: float | None = None,
+        negative: AbstractNegativeCells | None = None,
+    ) -> None:
+        self._dataset = dataset
+        self._efth = checked_variable(dataset)
+        self._negative = ClipAndRenormalise() if negative is None else negative
+        frequency = frequencies(self._efth)
+        self._columns, self._angles = columns_by_angle(directions(self._efth))
+        rows = (frequency > 0) & (frequency <= highest_with_energy(self._efth, frequency))
+        if cut_off is not None:
+            rows &= frequency <= cut_off
+        order = np.argsort(frequency)
+        self._rows = order[rows[order]]
+        if self._rows.size < 2:
+            raise ValueError(
+                f"Only {self._rows.size} frequencies of the dataset have energy below the cut-off: "
+                "choose a higher `cut_off`."
+            )
+        self._frequency = frequency[self._rows]
+
+    def records(self) -> list[dict[str, int]]:
+        """The index of every record along each dimension but frequency and direction, the last one fastest."""
+        sizes = {str(name): size for name, size in self._efth.sizes.items() if name not in ("freq", "dir")}
+        return [dict(zip(sizes, map(int, index), strict=True)) for index in np.ndindex(*sizes.values())]
+
+    def spectrum(
+        self, record: Record, *, tail: AbstractTail | None = None, dispersion: Dispersion | None = None
+    ) -> MeasuredSpectrum:
+        """One record.
+
+        **Arguments:** `record`, `tail`, `dispersion` as in `spectrum_from_dataset`.
+
+        **Raises:** `ValueError` for a record that is not there or has missing values.
+        """
+        one = _select(self._efth, record, strict=True).transpose("freq", "dir")
+        table = np.asarray(one.values, np.float64)[np.ix_(self._rows, self._columns)]
+        if not np.isfinite(table).all():
+            share = 1 - np.isfinite(table).mean()
+            raise ValueError(
+                f"Variable `efth` has missing values in {share:.0%} of record {record}: choose another `record`."
+            )
+        table = repair(table, self._angles, self._negative)
+        return MeasuredSpectrum(
+            table * (180 / np.pi),
+            self._frequency,
+            self._angles[0],
+            tail=PowerTail() if tail is None else tail,
+            dispersion=_dispersion(self._dataset, record) if dispersion is None else dispersion,
+        )
 
 
 def wind_from_dataset(dataset: "xarray.Dataset", *, record: Record = 0) -> Wind:
@@ -99,79 +147,18 @@ def wind_from_dataset(dataset: "xarray.Dataset", *, record: Record = 0) -> Wind:
     return Wind.from_meteorological(speed, from_degrees=from_degrees)
 
 
-def _checked_variable(dataset: Any) -> Any:
-    if "efth" not in dataset:
-        names = ", ".join(f"`{name}`" for name in list(dataset.data_vars)[:6]) or "none"
-        raise ValueError(
-            f"The dataset has no variable `efth` (it has {names}): it is not a directional wave spectrum in "
-            "wavespectra's convention."
-        )
-    efth = dataset["efth"]
-    for name, meaning in (("freq", "frequency [Hz]"), ("dir", "direction [degrees]")):
-        if name not in efth.dims or name not in dataset.coords:
-            raise ValueError(
-                f"Variable `efth` has no coordinate `{name}`, the {meaning}: "
-                "it must have the dimensions (…, freq, dir), each with its coordinate."
-            )
-    units = str(efth.attrs.get("units", ""))
-    if "rad" in units:
-        raise ValueError(
-            f"Variable `efth` is in {units}, but must be in m² s degree⁻¹: "
-            "multiply it by π/180 and rename its units."
-        )
-    return efth
+def wind_origin(dataset: "xarray.Dataset") -> WindOrigin | None:
+    """Where the wind of a dataset comes from; None where it has none.
 
-
-def _frequencies(efth: Any) -> np.ndarray:
-    frequency = np.asarray(efth["freq"].values, np.float64)
-    if (
-        not np.isfinite(frequency).all()
-        or (frequency < 0).any()
-        or np.unique(frequency).size < frequency.size
-    ):
-        raise ValueError("Coordinate `freq` must hold different numbers of at least 0 Hz, but does not.")
-    return frequency
-
-
-def _directions(efth: Any) -> np.ndarray:
-    """Directions in degrees, after a check of everything that betrays another convention."""
-    coordinate = efth["dir"]
-    name, units = (str(coordinate.attrs.get(key, "")).lower() for key in ("standard_name", "units"))
-    text = f"{name} {str(coordinate.attrs.get('long_name', '')).lower()}".replace("_", " ")
-    if "to direction" in text or "going to" in text or "towards" in text:
-        raise ValueError(
-            f"Coordinate `dir` holds directions that waves go to ({name or text.strip()}), but must hold "
-            "those that they come from: replace it by (dir + 180) % 360 and correct its attributes."
-        )
-    degrees = np.asarray(coordinate.values, np.float64)
-    if "rad" in units or (degrees.size > 4 and np.ptp(degrees) <= 2 * np.pi + 1e-3):
-        raise ValueError(
-            "Coordinate `dir` seems to be in radians, but must be in degrees clockwise from north: "
-            "multiply it by 180/π, and `efth` by π/180."
-        )
-    if not np.isfinite(degrees).all() or degrees.min() < 0 or degrees.max() > 360:
-        raise ValueError(
-            "Coordinate `dir` must lie between 0 and 360 degrees clockwise from north, "
-            f"but runs from {degrees.min():g} to {degrees.max():g}: take it modulo 360."
-        )
-    return degrees
-
-
-def _columns_by_angle(table: np.ndarray, degrees: np.ndarray) -> tuple[np.ndarray, float]:
-    """Columns in counter-clockwise order of the direction towards, and that of the first [rad]."""
-    if 0 in degrees and 360 in degrees:  # the same direction twice
-        keep = degrees != 360
-        table, degrees = table[:, keep], degrees[keep]
-    towards = np.mod(270 - degrees, 360)
-    order = np.argsort(towards)
-    steps = np.diff(np.append(towards[order], towards[order[0]] + 360))
-    if degrees.size < 5 or np.ptp(steps) > 0.01 * 360 / degrees.size:
-        raise ValueError(
-            "Coordinate `dir` must cover the circle in at least 5 equal steps, but its "
-            f"{degrees.size} directions have steps from {steps.min():g} to {steps.max():g} degrees: "
-            "interpolate `efth` first."
-        )
-    return table[:, order], float(np.deg2rad(towards[order[0]]))
+    "measured" by an instrument, the forcing of a "model", "derived" from the waves themselves (Spotter buoys infer it
+    from the tail of their spectrum: it must not be held against what that spectrum predicts), or "unknown".
+    """
+    if "wspd" not in dataset or "wdir" not in dataset:
+        return None
+    told = dataset["wspd"].attrs.get(ORIGIN)
+    if told in get_args(WindOrigin):
+        return told
+    return "derived" if "spotter" in str(dataset.attrs.get("source", "")).lower() else "unknown"
 
 
 def _select(variable: Any, record: Record, *, strict: bool = False) -> Any:
@@ -200,14 +187,6 @@ def _select(variable: Any, record: Record, *, strict: bool = False) -> Any:
             f"for example {example}, but is {record}."
         )
     return variable.isel(dict.fromkeys(left, 0))
-
-
-def _highest_with_energy(efth: Any, frequency: np.ndarray) -> float:
-    energy = efth.sum([name for name in efth.dims if name != "freq"]).values
-    with_energy = frequency[np.asarray(energy) > 0]
-    if with_energy.size == 0:
-        raise ValueError("Variable `efth` is 0 everywhere: there is no sea in it.")
-    return float(with_energy.max())
 
 
 def _dispersion(dataset: Any, record: Record) -> Dispersion:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from ..spectra import AbstractTail, Dispersion, MeasuredSpectrum
-from ._dataset import Record, spectrum_from_dataset
+from ._dataset import ORIGIN, Record, WindOrigin, spectrum_from_dataset
 from ._negative import AbstractNegativeCells
 
 if TYPE_CHECKING:
@@ -119,8 +119,13 @@ def _detect(file: Path) -> Kind:
 def _netcdf_names(file: Path) -> set[str]:
     import netCDF4
 
-    with netCDF4.Dataset(file) as dataset:
-        return set(dataset.variables)
+    try:
+        with netCDF4.Dataset(file) as dataset:
+            return set(dataset.variables)
+    except OSError as error:
+        raise ValueError(
+            f"File `{file}` begins like netCDF, but cannot be opened as such: it is cut short or damaged."
+        ) from error
 
 
 def _ndbc_files(files: list[Path]) -> list[Path]:
@@ -164,14 +169,21 @@ def _read_foreign(kind: Kind, names: list[str]) -> Any:
     if kind == "ndbc":
         return wavespectra.read_ndbc_ascii(names)
     if kind == "spotter":
-        return wavespectra.read_spotter(names[0])
+        return _with_wind(wavespectra.read_spotter(names[0]), "derived")
     if kind == "triaxys":
         return wavespectra.read_triaxys(names[0])
     if kind == "swan":
-        return wavespectra.read_swan(names[0])
+        return _with_wind(wavespectra.read_swan(names[0]), "model")
     dataset = wavespectra.read_ww3(names[0]).load()
     # wavespectra turns the directions to "coming from" but leaves the attributes that say "to".
     dataset["dir"].attrs = {"standard_name": "sea_surface_wave_from_direction", "units": "degree"}
+    return _with_wind(dataset, "model")
+
+
+def _with_wind(dataset: Any, origin: WindOrigin) -> Any:
+    """Say on the wind where it comes from: see `wind_origin`."""
+    if "wspd" in dataset:
+        dataset["wspd"].attrs[ORIGIN] = origin
     return dataset
 
 
