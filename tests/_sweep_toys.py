@@ -57,7 +57,7 @@ def run(config: RunsConfig, progress: Any, store: Any) -> Result:
             "square_m": value**2,
             "nested": {"list, of numbers": [value, None, 3.0], "text": "no number", "nothing": None},
             "rows": [{"name": "a", "x": value}, {"name": "b", "x": -value}],
-            "ragged": list(range(1 + value % 2)),
+            "ragged": list(range(1 + value % 3)),
             "value": value,
             "is_bee": config.name == "bee",
             "wide": [math.sin(value + 0.1 * i) for i in range(64)],

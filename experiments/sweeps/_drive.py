@@ -4,7 +4,6 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import replace
-from typing import Any
 
 from .._errors import UserError
 from ._results import Results
@@ -50,8 +49,7 @@ def drive(
         while len(on_the_way) < lanes and (task := source.next()) is not None:
             on_the_way[executor.submit(compute, task)] = task
         for outcome in outcomes:
-            results.write(outcome, clear=retry_failed)
-            notes |= dict.fromkeys(outcome.notes)
+            notes |= dict.fromkeys(results.write(outcome, clear=retry_failed))
             advance(outcome.stop - outcome.start, len(outcome.reasons))
 
 
@@ -103,27 +101,25 @@ class _Source:
                 "command goes on from there."
             ) from error
         except Exception as error:
-            if not _is_death(error):
+            if type(error).__name__ == "KilledWorker":
+                # A cluster has tried it on several workers by then.
+                return self._after_death(task, DEATHS)
+            if not isinstance(error, BrokenExecutor):
                 raise
-            return self._after_death(task)
+            return self._after_death(task, 1)
         if not self._batched:
             each = outcome.seconds / (task.stop - task.start)
             # At most double: points need not cost the same.
             self._size = max(1, min(int(SECONDS / max(each, 1e-9)), 2 * self._size))
         return outcome
 
-    def _after_death(self, task: Task) -> Outcome | None:
+    def _after_death(self, task: Task, deaths: int) -> Outcome | None:
         if not self._batched and task.stop - task.start > 1:
             # One of these points kills: alone it will be known which.
             self._again.extend(replace(task, start=i, stop=i + 1) for i in range(task.start, task.stop))
             return None
-        self._deaths[task.start] += 1
+        self._deaths[task.start] += deaths
         if self._deaths[task.start] < DEATHS:
             self._again.append(task)
             return None
         return failure(task, f"The process that computed it was killed, {DEATHS} times (out of memory?).")
-
-
-def _is_death(error: Any) -> bool:
-    """Whether a worker died of its task: of ours, or of a cluster, which has tried several times by then."""
-    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"

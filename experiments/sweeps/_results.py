@@ -15,7 +15,7 @@ from .._messages import paths
 from .._quantity import CONVENTIONS, Quantity, udunits
 from .._version import version
 from ._design import Axis, Codes, Design
-from ._task import Column, Outcome
+from ._task import KINDS_DIFFER, Column, Outcome
 
 STANDARD_NAMES = {"wind.speed": "wind_speed"}
 """CF's names of keys that are swept."""
@@ -179,22 +179,32 @@ class Results:
                 counted.update(map(str, np.asarray(self._reason[start:stop]).astype(object)[failed]))
         return counted
 
-    def write(self, outcome: Outcome, *, clear: bool) -> None:
+    def write(self, outcome: Outcome, *, clear: bool) -> tuple[str, ...]:
         """Write what became of a task: numbers first, the flag last, so that a half-written task is not done.
 
         **Arguments:** `outcome`; `clear`: whether reasons of earlier failures may stand there.
+
+        **Returns:** notes on what could not be kept.
         """
+        notes = outcome.notes
         where = slice(outcome.start, outcome.stop)
         for name, column in outcome.columns.items():
             array = self._arrays.get(self._free(name)) or self._create(name, column)
-            if array.shape[1:] == column.values.shape[1:]:
-                array[where] = column.values
+            inner = column.values.shape[1:]
+            if len(inner) != array.ndim - 1:
+                notes += (f"`{name}` {KINDS_DIFFER}",)
+                continue
+            if any(mine > there for mine, there in zip(inner, array.shape[1:], strict=True)):
+                # Lists of several lengths end in NaN, whichever comes first.
+                array.resize((self.count, *map(max, inner, array.shape[1:])))
+            array[(where, *map(slice, inner))] = column.values
         reasons = np.full(outcome.stop - outcome.start, "", dtype=np.dtypes.StringDType())
         for place, reason in outcome.reasons.items():
             reasons[place] = reason
         if outcome.reasons or clear:
             self._reason[where] = reasons
         self._done[where] = (reasons == "").astype("i1")
+        return notes
 
     def _free(self, name: str) -> str:
         """A name that no coordinate has."""

@@ -18,7 +18,7 @@ from .._loading import Loaded
 from .._progress import Silent
 from .._quantity import Quantity, unit_of_name
 from .._result import jsonable
-from ._task import Column, Task, reason_of
+from ._task import KINDS_DIFFER, Column, Task, reason_of
 
 ONE_AT_A_TIME = threading.Lock()
 """Pictures and warnings belong to the process: a cluster's threads take turns."""
@@ -79,21 +79,26 @@ def _flat(value: Any, path: str = "") -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _columns(found: Sequence[Mapping[str, np.ndarray]]) -> tuple[dict[str, Column], tuple[str, ...]]:
-    """The numbers of all points by name; one whose shape differs from that of the first is left out."""
-    columns: dict[str, Column] = {}
-    notes: dict[str, None] = {}
+    """The numbers of all points by name; lists of several lengths are filled up with NaN."""
+    together: dict[str, dict[int, np.ndarray]] = {}
     for i, numbers in enumerate(found):
         for path, values in numbers.items():
-            name = _name(path)
-            if name not in columns:
-                quantity = Quantity(unit_of_name(name), path, may_be_undefined=True)
-                columns[name] = Column(np.full((len(found), *values.shape), np.nan), quantity)
-            if columns[name].values.shape[1:] == values.shape:
-                columns[name].values[i] = values
-            else:
-                notes[f"`{path}` has not the same shape at all points: it is missing where it differs."] = (
-                    None
-                )
+            together.setdefault(path, {})[i] = values
+    columns: dict[str, Column] = {}
+    notes: list[str] = []
+    for path, at in together.items():
+        # A number at some points and a list at others: the lists are kept.
+        dimensions = max(values.ndim for values in at.values())
+        kept = {i: values for i, values in at.items() if values.ndim == dimensions}
+        shape = tuple(np.max([values.shape for values in kept.values()], axis=0).astype(int).tolist())
+        filled = np.full((len(found), *shape), np.nan)
+        for i, values in kept.items():
+            filled[(i, *map(slice, values.shape))] = values
+        columns[_name(path)] = Column(
+            filled, Quantity(unit_of_name(_name(path)), path, may_be_undefined=True)
+        )
+        if len(kept) < len(at):
+            notes.append(f"`{_name(path)}` {KINDS_DIFFER}")
     return columns, tuple(notes)
 
 

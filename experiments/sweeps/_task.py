@@ -14,6 +14,9 @@ from .._registry import Experiment
 from ._points import Points
 
 
+KINDS_DIFFER = "is a number at some points and a list at others: only one kind is kept."
+
+
 @dataclass(frozen=True)
 class Task:
     """The points `start` to `stop`, to be computed by one worker; `scratch`: a folder for what nobody keeps."""

@@ -48,6 +48,13 @@ def test_numbers_are_collected_by_their_dotted_names_and_keep_their_shape(grid):
     assert not {"nested_text", "nested_nothing", "rows_name"} & set(data.variables)
 
 
+def test_lists_of_several_lengths_end_in_nan(tmp_path):
+    nan = np.nan
+    expected = [[0, nan, nan], [0, 1, nan], [0, 1, 2], [0, nan, nan]]
+    forward = compute(plan(tmp_path, "runs", "value=0:3:1"))["ragged"].values
+    np.testing.assert_array_equal(forward, expected)
+
+
 def test_variables_carry_units_and_names(grid):
     _, _, data = grid
     assert data["square_m"].attrs["units"] == "m"
