@@ -9,6 +9,7 @@ from ._coverage import CoveragePoints as CoveragePoints
 from ._coverage_probability import coverage_probability as coverage_probability
 from ._coverage_shares import CoverageProbability as CoverageProbability
 from ._coverage_shares import Share as Share
+from ._ensemble import Band as Band
 from ._ensemble import Calibrated as Calibrated
 from ._ensemble import Ensemble as Ensemble
 from ._ensemble import ensemble as ensemble

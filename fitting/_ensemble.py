@@ -1,7 +1,7 @@
 """One sea calibrated to many whitecap laws: how much the answer depends on whom one believes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import equinox as eqx
@@ -16,6 +16,7 @@ from jaxocean.whitecaps.laws import AbstractLaw
 from ._coverage import SCATTER, CoveragePoints
 from ._density import prepare, shrink, stretch
 from ._fit import Free, fit
+from ._posterior_result import check_level
 from ._priors import AbstractPrior
 from ._problem import Problem, make_problem
 from ._result import Fit
@@ -52,6 +53,25 @@ class Calibrated:
 
 
 @dataclass(frozen=True)
+class Band:
+    """Coverage of all members together at each wind.
+
+    - `lower`, `median`, `upper`: of the members' draws, all with equal weight, at a `level`.
+    - `lowest`, `highest`: of the members' own coverage.
+    - `between`, `within`: standard deviations of log10 W from law to law, and from a fit's own errors.
+    """
+
+    level: float
+    lower: Float[np.ndarray, " wind"]
+    median: Float[np.ndarray, " wind"]
+    upper: Float[np.ndarray, " wind"]
+    lowest: Float[np.ndarray, " wind"]
+    highest: Float[np.ndarray, " wind"]
+    between: Float[np.ndarray, " wind"]
+    within: Float[np.ndarray, " wind"]
+
+
+@dataclass(frozen=True)
 class Ensemble:
     """The same sea calibrated to one law after the other.
 
@@ -77,6 +97,33 @@ class Ensemble:
     def errors(self, name: str) -> Float[np.ndarray, " member"]:
         """Its standard errors."""
         return np.asarray([member.fit.errors[name] for member in self.members])
+
+    def only(self, keep: Sequence[bool] | Bool[np.ndarray, " member"]) -> "Ensemble":
+        """Those members that are to be kept.
+
+        **Raises:** `ValueError` if none is.
+        """
+        members = tuple(member for member, wanted in zip(self.members, keep, strict=True) if wanted)
+        if not members:
+            raise ValueError("Argument `keep` must keep at least one member, but keeps none.")
+        return replace(self, members=members)
+
+    def band(self, count: int, key: PRNGKeyArray | UInt32[Array, "2"], level: float = 0.9) -> Band:
+        """What the members say together, each with its own error, all with equal weight.
+
+        **Arguments:** `count` of draws for each member; `key`; `level` of the band.
+
+        **Raises:** `ValueError` for a level outside (0, 1).
+        """
+        check_level(level)
+        drawn = self.draw(count, key)
+        best = np.stack([member.coverage for member in self.members])
+        shares = [0.5 * (1 - level), 0.5, 0.5 * (1 + level)]
+        lower, median, upper = np.quantile(drawn.reshape(-1, drawn.shape[-1]), shares, axis=0)
+        logs = np.log10(np.maximum(drawn, np.finfo(float).tiny))
+        between = np.std(np.log10(best), axis=0, ddof=1) if len(best) > 1 else np.zeros(best.shape[1])
+        within = np.sqrt(np.mean(np.var(logs, axis=1), axis=0))
+        return Band(level, lower, median, upper, best.min(axis=0), best.max(axis=0), between, within)
 
     def draw(
         self, count: int, key: PRNGKeyArray | UInt32[Array, "2"]
