@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
+from unittest import mock
 
 import xarray as xr
 from pydantic import model_validator
@@ -126,7 +127,8 @@ def compute(
 ) -> xr.Dataset:
     """Compute a sweep on this machine; its netCDF file, loaded."""
     opened = partial(sweeps.local, workers)
-    finished = sweeps.run(sweep, opened, unwatched, retry_failed=retry_failed, force=force)
+    with mock.patch.dict(os.environ, {"JAXOCEAN_CACHE": "off"}):
+        finished = sweeps.run(sweep, opened, unwatched, retry_failed=retry_failed, force=force)
     return xr.load_dataset(finished.folder / "results.nc")
 
 

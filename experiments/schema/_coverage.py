@@ -49,12 +49,13 @@ class CoverageConfig(ExperimentConfig):
 
     @classmethod
     def varies(cls) -> frozenset[str]:
-        """Every number of the sea; the band and the cascade are the shape of the computation."""
+        """The numbers of the sea; the band, the cascade and names are the shape of the computation."""
         return frozenset({"choppiness", "threshold", "breaking_wavenumber"}) | {
             f"{section}.{name}" for section, names in _NUMBERS.items() for name in names
         }
 
 
+_SPREADING = ("inverse_wave_age", "s", "s_max")
 _NUMBERS = {
     "wind": ("speed", "direction", "fetch", "sea_air_temperature_difference"),
     "spectrum": (
@@ -67,10 +68,9 @@ _NUMBERS = {
         "peak_period",
         "scale",
         "significant_wave_height",
-        "size",
         "smallest_wave",
     ),
-    "spectrum.spreading": ("inverse_wave_age", "s", "s_max"),
+    "spectrum.spreading": _SPREADING,
     "spectrum.swell": ("significant_wave_height", "peak_period", "direction", "width"),
-    "spectrum.swell.spreading": ("inverse_wave_age", "s", "s_max"),
+    "spectrum.swell.spreading": _SPREADING,
 }

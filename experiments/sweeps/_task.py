@@ -13,7 +13,6 @@ from .._quantity import Quantity
 from .._registry import Experiment
 from ._points import Points
 
-
 KINDS_DIFFER = "is a number at some points and a list at others: only one kind is kept."
 
 
