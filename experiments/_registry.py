@@ -62,6 +62,12 @@ EXPERIMENTS = (
         schema.GaussianVsMonteCarloConfig,
         "experiments.gaussian_vs_monte_carlo",
     ),
+    Experiment(
+        "dupuy_scenes",
+        "the paper's own scenes: coverage by its equations, its program, exactly, and counted",
+        schema.DupuyScenesConfig,
+        "experiments.dupuy_scenes",
+    ),
 )
 
 

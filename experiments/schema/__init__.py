@@ -8,6 +8,9 @@ from ._calibration import CalibrationConfig as CalibrationConfig
 from ._calibration import LawName as LawName
 from ._calibration import WindsConfig as WindsConfig
 from ._coverage import CoverageConfig as CoverageConfig
+from ._dupuy import SCENES as SCENES
+from ._dupuy import DupuyScenesConfig as DupuyScenesConfig
+from ._dupuy import Scene as Scene
 from ._experiments import ElfouhailyTailConfig as ElfouhailyTailConfig
 from ._experiments import MapConfig as MapConfig
 from ._experiments import MeasuredSeaConfig as MeasuredSeaConfig
