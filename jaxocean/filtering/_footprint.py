@@ -9,7 +9,7 @@ from .._numerics import safe_angle, safe_norm, safe_sqrt
 from .._types import FloatLike
 
 Points = Float[Array, "*b 2"] | Float[np.ndarray, "*b 2"]
-Axes = Float[Array, "*b 2 2"] | Float[np.ndarray, "*b 2 2"]
+Axes = Float[Array, "*c 2 2"] | Float[np.ndarray, "*c 2 2"]
 
 DEFAULT_PROBES = 4
 MOST_PROBES = 64

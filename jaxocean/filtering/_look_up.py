@@ -7,11 +7,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..surface.fft._apart import compute_apart
 from ._boxes import Levels
 from ._footprint import Footprint, probes_of
 
 Textures = Sequence[Float[Array, "texel _"]]
 """All levels of one pattern, each texture with at most eight channels: what lies together is read together."""
+
+
+def computing_type(stored: jnp.dtype) -> jnp.dtype:
+    """Look-ups compute in float32 at least, however the texture is stored."""
+    return jnp.dtype(jnp.float32) if stored.itemsize < 4 else stored
 
 
 def reduce_centres(
@@ -73,15 +79,19 @@ def look_up(
     levels = Levels(resolution)
     widths = 0.25 * levels.spans.astype(np.float64) ** 2
     dtype = place.dtype
-    level = sum((variance >= width).astype(jnp.int32) for width in widths[1:-1])
+    level = sum((variance >= float(width)).astype(jnp.int32) for width in widths[1:-1])
     level = jnp.broadcast_to(level, variance.shape)
     below, above = (jnp.asarray(w, dtype)[level] for w in (widths[:-1], widths[1:]))
     share = jnp.clip((variance - below) / (above - below), 0, 1)[..., None]
 
-    fine = _bilinear(textures, levels, place, level)
-    coarse = _bilinear(textures, levels, place, level + 1)
-    means = [f + share * (c - f) for f, c in zip(fine, coarse, strict=True)]
-    return means, jnp.clip(variance / widths[0], 0, 1)
+    def read() -> list[Float[Array, "*b _"]]:
+        fine = _bilinear(textures, levels, place, level)
+        coarse = _bilinear(textures, levels, place, level + 1)
+        return [f + share * (c - f) for f, c in zip(fine, coarse, strict=True)]
+
+    # Products of what was read would otherwise be fused with the reading, and read again for each of them.
+    means = compute_apart(read, ~jnp.all(jnp.isnan(variance)))
+    return means, jnp.clip(variance / float(widths[0]), 0, 1)
 
 
 def _bilinear(textures, levels: Levels, place, level) -> list[Float[Array, "*b _"]]:

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 
 from ._boxes import Levels
 from ._footprint import DEFAULT_PROBES, Footprint, check_probes
-from ._look_up import average_probes, look_up, reduce_centres
+from ._look_up import average_probes, computing_type, look_up, reduce_centres
 
 
 class MeanPyramid(eqx.Module):
@@ -41,14 +41,14 @@ class MeanPyramid(eqx.Module):
         **Arguments:** `footprint`: see `Footprint`; `probes`: isotropic probes along its longer axis.
         """
         check_probes(probes)
-        dtype = jnp.result_type(self.texture.dtype, jnp.float32)
+        dtype = computing_type(self.texture.dtype)
         centres = reduce_centres(footprint, self.sizes, self.resolution, dtype)
         return _means(self, centres, jnp.asarray(footprint.axes, dtype), probes)
 
 
 @eqx.filter_jit
 def _means(
-    pyramid: MeanPyramid, centres: Float[Array, "n *b 2"], axes: Float[Array, "*b 2 2"], probes: int
+    pyramid: MeanPyramid, centres: Float[Array, "n *b 2"], axes: Float[Array, "*c 2 2"], probes: int
 ) -> Float[Array, "*b n channel"]:
     batch = jnp.broadcast_shapes(centres.shape[1:-1], axes.shape[:-2])
     means = []

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from ..surface import Cascade, Fields
 from ._boxes import Levels
 from ._footprint import DEFAULT_PROBES, Footprint, check_probes
-from ._look_up import average_probes, look_up, reduce_centres
+from ._look_up import average_probes, computing_type, look_up, reduce_centres
 from ._moments import Moments, pair_products, symmetric_matrix
 from ._refine import refine
 
@@ -88,14 +88,17 @@ class MomentPyramid(eqx.Module):
 
         **Raises:** `ValueError` for a number of probes below 1 or above 64.
         """
-        return self.patterns(footprint, probes).sum_patterns()
+        return self._filter(footprint, probes, summed=True)
 
     def patterns(self, footprint: Footprint, probes: int = DEFAULT_PROBES) -> Moments:
         """Moments of each pattern by itself; the pattern is the last axis of the batch."""
+        return self._filter(footprint, probes, summed=False)
+
+    def _filter(self, footprint: Footprint, probes: int, *, summed: bool) -> Moments:
         check_probes(probes)
-        dtype = jnp.result_type(self.means.dtype, jnp.float32)
+        dtype = computing_type(self.means.dtype)
         centres = reduce_centres(footprint, self.sizes, self.resolution, dtype)
-        return _filter(self, centres, jnp.asarray(footprint.axes, dtype), probes)
+        return _filter(self, centres, jnp.asarray(footprint.axes, dtype), probes, summed)
 
 
 @partial(jax.jit, static_argnames=("sizes", "refinement"))
@@ -108,25 +111,37 @@ def _build(slope, strain, sizes: tuple[float, ...], refinement: int) -> MomentPy
 
 @eqx.filter_jit
 def _filter(
-    pyramid: MomentPyramid, centres: Float[Array, "n *b 2"], axes: Float[Array, "*b 2 2"], probes: int
+    pyramid: MomentPyramid,
+    centres: Float[Array, "n *b 2"],
+    axes: Float[Array, "*c 2 2"],
+    probes: int,
+    summed: bool,
 ) -> Moments:
     batch = jnp.broadcast_shapes(centres.shape[1:-1], axes.shape[:-2])
-    moments = []
-    # Unrolled: on the CPU a loop over patterns would leave all but one core idle.
-    for i, size in enumerate(pyramid.sizes):
-        look = partial(_raw_moments, (pyramid.means[i], pyramid.products[i]), pyramid.resolution)
-        centre = jnp.broadcast_to(centres[i], (*batch, 2))
-        shape = jnp.broadcast_to(axes * (pyramid.resolution / size), (*batch, 2, 2))
-        strain, slope, strains, slopes = average_probes(look, centre, shape, probes)
-        moments.append(
-            Moments(
-                slope,
-                symmetric_matrix(slopes - pair_products(slope)),
-                strain,
-                symmetric_matrix(strains - pair_products(strain)),
-            )
+    scales = jnp.asarray([pyramid.resolution / size for size in pyramid.sizes], axes.dtype)
+
+    def one(pattern) -> Moments:
+        means, products, centre, scale = pattern
+        look = partial(_raw_moments, (means, products), pyramid.resolution)
+        shape = jnp.broadcast_to(axes * scale, (*batch, 2, 2))
+        found = average_probes(look, jnp.broadcast_to(centre, (*batch, 2)), shape, probes)
+        strain, slope, strains, slopes = found
+        return Moments(
+            slope,
+            symmetric_matrix(slopes - pair_products(slope)),
+            strain,
+            symmetric_matrix(strains - pair_products(strain)),
         )
-    return jax.tree.map(lambda *each: jnp.stack(each, axis=len(batch)), *moments)
+
+    patterns = (pyramid.means, pyramid.products, centres, scales)
+    if not summed:
+        return jax.tree.map(lambda each: jnp.moveaxis(each, 0, len(batch)), jax.lax.map(one, patterns))
+    # One after the other: a program for all patterns at once takes longer to compile and is no faster.
+    shapes = jax.eval_shape(one, jax.tree.map(lambda leaf: leaf[0], patterns))
+    none = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
+    return jax.lax.scan(lambda total, each: (jax.tree.map(jnp.add, total, one(each)), None), none, patterns)[
+        0
+    ]
 
 
 def _raw_moments(textures, resolution: int, place, variance) -> tuple[Float[Array, "*b _"], ...]:

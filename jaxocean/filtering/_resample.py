@@ -27,7 +27,7 @@ def resample(
     for along, waves in ((y, index), (x, index[: count // 2])):
         turns = np.outer(np.remainder(along, size) / size, waves)
         tables.append(np.exp(2j * np.pi * (turns - np.round(turns))))
-    dtype = jnp.result_type(samples.dtype, jnp.complex64)
+    dtype = jnp.complex64 if samples.dtype == jnp.float32 else jnp.complex128
     return _sum(samples, jnp.asarray(tables[0], dtype), jnp.asarray(tables[1], dtype))
 
 
@@ -38,9 +38,9 @@ def _sum(
     count = samples.shape[0]
     waves = jnp.fft.fft2(jnp.moveaxis(samples, -1, 0))[:, :, : count // 2] / count**2
     # The waves with −kx are the conjugates of those kept; those with kx = 0 stand once.
-    waves = waves * jnp.where(jnp.arange(count // 2) > 0, 2.0, 1.0).astype(samples.dtype)
-    keep = (np.fft.fftfreq(count, 1 / count) != -(count // 2)).astype(samples.dtype)
-    waves = waves * jnp.asarray(keep)[:, None]
+    often = np.where(np.arange(count // 2) > 0, 2.0, 1.0)
+    known = np.fft.fftfreq(count, 1 / count) != -(count // 2)
+    waves = waves * jnp.asarray(known[:, None] * often, waves.dtype)
 
     def one(wave: Complex[Array, "n half"]) -> Float[Array, "y x"]:
         part = rows @ wave
