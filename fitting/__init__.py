@@ -6,6 +6,7 @@ from ._bounds import Positive as Positive
 from ._bounds import Real as Real
 from ._coverage import CoverageLaw as CoverageLaw
 from ._coverage import CoveragePoints as CoveragePoints
+from ._coverage_probability import SETS_AT_ONCE as SETS_AT_ONCE
 from ._coverage_probability import coverage_probability as coverage_probability
 from ._coverage_shares import CoverageProbability as CoverageProbability
 from ._coverage_shares import Share as Share
@@ -27,6 +28,7 @@ from ._priors import Normal as Normal
 from ._profile import Profile as Profile
 from ._profile import ProfileInterval as ProfileInterval
 from ._profile import profile as profile
+from ._profile import profile_limit as profile_limit
 from ._realised_model import RealisedModel as RealisedModel
 from ._result import Fit as Fit
 from ._result import FittedParameter as FittedParameter

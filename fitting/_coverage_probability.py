@@ -15,12 +15,12 @@ from ._fit import Free, Targets
 from ._minimise import minimise
 from ._nuts import require_blackjax, run_chains
 from ._parameters import split
-from ._posed import lay_out
+from ._posed import lay_out, slot_labels
 from ._priors import AbstractPrior
 from ._problem import Problem
 from ._solvers import AbstractSolver, LevenbergMarquardt
 
-CHUNK = 50
+SETS_AT_ONCE = 50
 """Data sets that are fitted side by side: enough for both cores, and memory does not grow with their number."""
 
 
@@ -69,14 +69,16 @@ def coverage_probability(
     with jax.enable_x64(True):
         root, chain_key = jax.random.split(jax.random.key(0) if key is None else key)
         # Every set has a key of its own, so that more sets begin with the same ones.
-        keys = jax.vmap(lambda i: jax.random.fold_in(root, i))(jnp.arange(-(-sets // CHUNK) * CHUNK))
+        keys = jax.vmap(lambda i: jax.random.fold_in(root, i))(
+            jnp.arange(-(-sets // SETS_AT_ONCE) * SETS_AT_ONCE)
+        )
         parts = []
-        for begin in range(0, sets, CHUNK):
-            parts.append(jax.device_get(_repeat(problem, states, keys[begin : begin + CHUNK], solver)))
+        for begin in range(0, sets, SETS_AT_ONCE):
+            parts.append(jax.device_get(_repeat(problem, states, keys[begin : begin + SETS_AT_ONCE], solver)))
             advance()
         tried = jax.tree.map(lambda *each: np.concatenate(each)[:sets], *parts)
         ranks = _sample(problem, states, tried, sampled, chain_key, warmup, draws, advance)
-    labels = tuple(label for slot in problem.slots for label in slot.labels(_speeds(problem)))
+    labels = slot_labels(problem)
     lost = int(np.sum(~tried.converged))
     words = f"{lost} of {sets} fits or profiles of synthetic data did not converge: they are left out."
     return CoverageProbability(
@@ -186,7 +188,3 @@ def _sample(
     blocks = run_chains(densities, list(jax.random.split(key, len(densities))), warmup, draws, 0.8, advance)
     below = [(block.values < tried.truths[i]).mean(axis=0) for i, block in zip(chosen, blocks, strict=True)]
     return np.stack(below)
-
-
-def _speeds(problem: Problem) -> list[float]:
-    return sorted({float(speed) for target in problem.tree[1] for speed in np.asarray(target.winds.speed)})

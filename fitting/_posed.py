@@ -56,3 +56,9 @@ def lay_out(
     with jax.enable_x64(True):
         problem, _ = make_problem(model, free, replay(tabulate(named)), priors, unique_names(named))
         return prepare(problem)
+
+
+def slot_labels(problem: Problem) -> tuple[str, ...]:
+    """A name for each free number, as in a fit's `labels`."""
+    speeds = sorted({float(u) for target in problem.tree[1] for u in np.asarray(target.winds.speed)})
+    return tuple(label for slot in problem.slots for label in slot.labels(speeds))

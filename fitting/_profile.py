@@ -12,9 +12,10 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, PyTree
 
 from ._bounds import AbstractBounds, Real
+from ._errors import FitError
 from ._fit import Free, Targets
 from ._minimise import Minimum, minimise
-from ._posed import pose
+from ._posed import lay_out, pose, slot_labels
 from ._posterior_result import check_level
 from ._priors import AbstractPrior
 from ._problem import Problem
@@ -22,8 +23,8 @@ from ._result import Fit
 from ._solvers import AbstractSolver, LevenbergMarquardt
 from ._target import Numbers, as_row
 
-POINTS, REACH = 41, 4.0
-"""The default grid: so many values within so many standard errors of the fit."""
+REACH = 4.0
+"""The default grid ends so many standard errors from the fit."""
 
 WIDEST = 1.5
 """Largest standard error on the sampler's line of a bounded parameter that the default grid believes."""
@@ -72,7 +73,7 @@ class Profile:
     - `label`, `unit`: of the parameter; `grid`: its values, increasing, the best one among them.
     - `excess`: twice the cost above the least, NaN where the solver did not converge.
     - `values`: (grid, number) all free numbers there, in the order of `labels`.
-    - `best`: the value of least cost; `fit`: the fit from which the search began.
+    - `best`: the value of least cost; `fit`: the fit from which the search began, None where there is none.
     """
 
     label: str
@@ -82,7 +83,7 @@ class Profile:
     excess: Float[np.ndarray, " n"]
     values: Float[np.ndarray, "n p"]
     best: float
-    fit: Fit
+    fit: Fit | None
     warnings: tuple[str, ...]
 
     @property
@@ -95,8 +96,7 @@ class Profile:
 
         **Raises:** `ValueError` for a level outside (0, 1).
         """
-        check_level(level)
-        limit = NormalDist().inv_cdf(0.5 * (1 + level))
+        limit = np.sqrt(profile_limit(level))
         known = np.isfinite(self.excess)
         grid, root = self.grid[known], np.abs(self.signed_root[known])
         inside = np.flatnonzero(root <= limit)
@@ -125,6 +125,15 @@ class Profile:
         }
 
 
+def profile_limit(level: float) -> float:
+    """The quantile of χ² with one degree of freedom: twice the cost above the least that a level allows.
+
+    **Raises:** `ValueError` for a level outside (0, 1).
+    """
+    check_level(level)
+    return NormalDist().inv_cdf(0.5 * (1 + level)) ** 2
+
+
 def profile(
     model: PyTree,
     free: Free,
@@ -132,6 +141,7 @@ def profile(
     *,
     parameter: str,
     grid: Numbers | None = None,
+    points: int = 41,
     priors: Sequence[AbstractPrior] = (),
     solver: AbstractSolver | None = None,
 ) -> Profile:
@@ -146,44 +156,67 @@ def profile(
     **Arguments:** `model`, `free`, `targets`, `priors`, `solver`: as for `fit`, which runs first;
 
     - `parameter`: its name, as in the fit's `labels`.
-    - `grid`: values to try, in any order, inside its bounds; by default 41 within about four standard errors.
+    - `grid`: values to try, in any order, inside its bounds; by default `points` within about four
+      standard errors.
 
     **Returns:** `Profile`.
 
-    **Raises:** what `fit` raises; `ValueError` for a parameter that is not free, or a grid with fewer than two values
-    or outside the bounds.
+    **Raises:** what `fit` raises, but with a grid a fit that does not converge is no error: the ridge that it ran
+    along is what a profile shows; `FitError` if nothing settles anywhere on the grid; `ValueError` for a parameter
+    that is not free, a grid with fewer than two values or outside the bounds, or fewer than 5 points.
 
     **Source:** Venzon & Moolgavkar 1988, Appl. Stat. 37, 87-94.
     """
+    if points < 5:
+        raise ValueError(f"Argument `points` must be at least 5, but is {points}.")
     solver = LevenbergMarquardt() if solver is None else solver
-    posed = pose(model, free, targets, priors, solver)
-    problem, labels = posed.problem, posed.fit.labels
+    problem, states, found, values, stopped = _begin(model, free, targets, priors, solver, grid)
+    labels = slot_labels(problem)
     if parameter not in labels:
         known = ", ".join(f"`{label}`" for label in labels)
         raise ValueError(f"Argument `parameter` must be one of {known}, but is {parameter!r}.")
     index = labels.index(parameter)
-    values = np.asarray(posed.values)
     bounds = [slot.bounds for slot in problem.slots for _ in range(slot.size)][index]
-    error = float(np.sqrt(posed.fit.covariance[index, index]))
-    chosen = _grid(grid, float(values[index]), error, bounds, parameter)
+    error = np.nan if found is None else float(np.sqrt(found.covariance[index, index]))
+    chosen = _grid(grid, points, float(values[index]), error, bounds, parameter)
     with jax.enable_x64(True):
         order, turn = _walk(chosen, float(values[index]))
         walked = jax.device_get(
             _follow(
                 problem,
-                posed.states,
-                posed.values,
+                states,
+                jnp.asarray(values),
                 jnp.asarray(index),
                 jnp.asarray(order),
                 jnp.asarray(turn),
                 solver,
             )
         )
-    return _report(parameter, posed.fit, _unit(problem, index), values, index, order, walked)
+    unit = [slot.unit for slot in problem.slots for _ in range(slot.size)][index]
+    return _report(parameter, unit, labels, found, values, index, order, walked, stopped)
+
+
+def _begin(
+    model: PyTree, free: Free, targets: Targets, priors: Sequence[AbstractPrior], solver: Any, grid: Any
+) -> tuple[Problem, Any, Fit | None, Float[np.ndarray, " p"], tuple[str, ...]]:
+    """The problem and where its profile begins: at its fit, or, with a grid, where the model stands."""
+    try:
+        posed = pose(model, free, targets, priors, solver)
+    except FitError as error:
+        if grid is None:
+            raise
+        problem, states = lay_out(model, free, targets, priors)
+        with jax.enable_x64(True):
+            start = np.asarray(problem.start())
+        words = (
+            f"There is no fit to compare with, the profile began at the model's own numbers: {error.what}."
+        )
+        return problem, states, None, start, (words,)
+    return posed.problem, posed.states, posed.fit, np.asarray(posed.values), ()
 
 
 def _grid(
-    grid: Numbers | None, best: float, error: float, bounds: AbstractBounds, name: str
+    grid: Numbers | None, points: int, best: float, error: float, bounds: AbstractBounds, name: str
 ) -> Float[np.ndarray, " n"]:
     if grid is None:
         # Even steps on the sampler's line, where no value is out of bounds.
@@ -191,7 +224,9 @@ def _grid(
             line = bounds.stretch(jnp.asarray(best))
             step = error / np.exp(float(bounds.shrink(line)[1]))
             step = step if isinstance(bounds, Real) else min(step, WIDEST)
-            values = np.unique(bounds.shrink(line + step * jnp.linspace(-REACH, REACH, POINTS))[0])
+            offsets = np.linspace(-REACH, REACH, points)
+            offsets = offsets[np.abs(offsets) > 1e-6 * REACH]  # the best value itself is known
+            values = np.unique(bounds.shrink(line + step * jnp.asarray(offsets))[0])
         return values[[bounds.contains(np.asarray(value)) for value in values]]
     values = np.unique(np.asarray(as_row(grid), float).ravel())
     if values.size < 2:
@@ -231,31 +266,43 @@ def _follow(
     return jax.lax.scan(step, best, (order, turn))[1]
 
 
-def _report(label, fit, unit, values, index, order, walked: Minimum) -> Profile:
-    grid = np.concatenate([order, values[index : index + 1]])
-    cost = np.concatenate([np.where(walked.converged, walked.cost, np.nan), [fit.cost]])
-    everything = np.concatenate([walked.values, values[None]])
+def _report(
+    label: str,
+    unit: str,
+    labels: tuple[str, ...],
+    fit: Fit | None,
+    values: Float[np.ndarray, " p"],
+    index: int,
+    order: Float[np.ndarray, " n"],
+    walked: Minimum,
+    warnings: tuple[str, ...],
+) -> Profile:
+    grid, everything = order, walked.values
+    cost = np.where(walked.converged, walked.cost, np.nan)
+    if fit is not None:
+        grid, cost = np.append(grid, values[index]), np.append(cost, fit.cost)
+        everything = np.concatenate([everything, values[None]])
     place = np.argsort(grid)
-    grid, cost, everything = grid[place], cost[place], everything[place]
-    least = float(np.nanmin(cost))
-    warnings = []
-    if 2 * (fit.cost - least) > BELOW:
-        at = grid[int(np.nanargmin(cost))]
-        warnings.append(
-            f"The cost is lower at {label} = {at:.4g} than where the fit stopped: there is more than one valley. "
+    grid, cost, everything = grid[place], cost[place], np.asarray(everything)[place]
+    if not np.any(np.isfinite(cost)):
+        raise FitError(
+            f"At no value of {label} did the other numbers settle",
+            "values far from where the model makes sense, or other numbers that the data cannot separate",
+            "a grid nearer to the fit, bounds, or a prior",
+        )
+    least, best = float(np.nanmin(cost)), float(grid[int(np.nanargmin(cost))])
+    texts = list(warnings)
+    if fit is not None and 2 * (fit.cost - least) > BELOW:
+        texts.append(
+            f"The cost is lower at {label} = {best:.4g} than where the fit stopped: there is more than one valley. "
             "Fit with several `starts`."
         )
     lost = int(np.sum(~np.isfinite(cost)))
     if lost:
-        warnings.append(
+        texts.append(
             f"At {lost} of {grid.size} values of {label} the other numbers did not settle: they are left out."
         )
-    best = float(grid[int(np.nanargmin(cost))])
-    return Profile(label, unit, fit.labels, grid, 2 * (cost - least), everything, best, fit, tuple(warnings))
-
-
-def _unit(problem: Problem, index: int) -> str:
-    return [slot.unit for slot in problem.slots for _ in range(slot.size)][index]
+    return Profile(label, unit, labels, grid, 2 * (cost - least), everything, best, fit, tuple(texts))
 
 
 def _cross(grid, root, inside: int, outside: int, limit: float) -> float:

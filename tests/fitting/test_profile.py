@@ -118,6 +118,32 @@ def test_a_grid_that_ends_inside_the_region_has_open_ends(straight):
     assert f"exponent < {interval.upper:.4g}; no lower end down to" in interval.words("exponent")
 
 
+class Endless(eqx.Module):
+    """The larger the distance the better, for ever: no fit settles."""
+
+    slope: Float[Array, ""] = eqx.field(converter=as_leaf, default=0.3)
+    distance: Float[Array, ""] = eqx.field(converter=as_leaf, default=0.0)
+
+    def log_coverage(self, wind):
+        return -6 + jnp.exp(-self.distance) + self.slope * (wind.speed - 10)
+
+
+def test_where_no_fit_settles_a_given_grid_still_shows_the_ridge():
+    target = fitting.CoveragePoints([8.0, 12.0], [np.exp(-6), np.exp(-6)], 0.3)
+    free = [lambda m: m.slope, lambda m: m.distance]
+    with pytest.raises(fitting.FitError):
+        fitting.profile(Endless(), free, target, parameter="distance")
+    found = fitting.profile(Endless(), free, target, parameter="distance", grid=np.linspace(-1.0, 6.0, 57))
+    assert found.fit is None
+    assert "no fit to compare with" in found.warnings[0]
+    cost = 2 * (np.exp(-found.grid) / (0.3 * np.log(10))) ** 2
+    np.testing.assert_allclose(found.excess, cost - cost[-1], rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(found.values[:, 0], 0.0, atol=1e-6)
+    interval = found.interval(0.9)
+    assert interval.upper_is_open
+    assert interval.lower == pytest.approx(-np.log(0.3 * np.log(10) * 1.645 / np.sqrt(2)), abs=0.05)
+
+
 def test_another_valley_is_seen_and_said():
     target = fitting.CoveragePoints(SPEEDS, np.exp(-6 + np.sin(0.8 * SPEEDS)), 0.5)
     free = fitting.Parameter(lambda m: m.rate, bounds=fitting.Interval(0.0, 1.5))
@@ -138,6 +164,7 @@ def test_another_valley_is_seen_and_said():
             "`parameter` must be one of `coefficient`, `exponent`, but is 'threshold'",
         ),
         ({"parameter": "exponent", "grid": [2.0]}, "`grid` must hold at least two different values"),
+        ({"parameter": "exponent", "points": 4}, "`points` must be at least 5, but is 4"),
         ({"parameter": "coefficient", "grid": [-1.0, 1.0]}, "`coefficient` that are greater than 0"),
     ],
 )
