@@ -63,10 +63,40 @@ EXPERIMENTS = (
         "experiments.gaussian_vs_monte_carlo",
     ),
     Experiment(
+        "footprint_bias",
+        "how wrong closures are in footprints of every size, and how normal the sea is inside them",
+        schema.FootprintBiasConfig,
+        "experiments.footprint_bias",
+    ),
+    Experiment(
+        "calibration_uncertainty",
+        "can the errors of a calibration be trusted? posterior, profile likelihood, coverage probability",
+        schema.UncertaintyConfig,
+        "experiments.calibration_uncertainty",
+    ),
+    Experiment(
+        "law_ensemble",
+        "one sea calibrated to every whitecap law: the spread of ε and the band of W(U10)",
+        schema.LawEnsembleConfig,
+        "experiments.law_ensemble",
+    ),
+    Experiment(
+        "foam_in_time",
+        "foam that outlives breaking: active and total coverage on a world tile and without, the decay time",
+        schema.FoamInTimeConfig,
+        "experiments.foam_in_time",
+    ),
+    Experiment(
         "dupuy_scenes",
         "the paper's own scenes: coverage by its equations, its program, exactly, and counted",
         schema.DupuyScenesConfig,
         "experiments.dupuy_scenes",
+    ),
+    Experiment(
+        "repetition",
+        "how many patterns a sea needs, lest it repeat visibly: autocorrelation over kilometres, and period",
+        schema.RepetitionConfig,
+        "experiments.repetition",
     ),
 )
 
