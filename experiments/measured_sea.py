@@ -1,55 +1,25 @@
 """`measured_sea`: from measured directional spectra to whitecap coverage, record by record."""
 
-import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 import jaxocean as jo
 from jaxocean import io
-from jaxocean.spectra import measured as tails
-from jaxocean.spectra.measured import MeasuredSpectrum
 
-from . import _build, _measured_views, schema
+from . import _build, _measured_report, _measured_views, schema
+from ._errors import UserError
 from ._files import Files
-from ._measured_views import SeaView, tail_name
+from ._measured_records import OTHER_TAILS, Station, describe, read
 from ._progress import Reporter
 from ._result import Result, Table
 
-NEGATIVE = {"renormalise": io.ClipAndRenormalise, "maximum_entropy": io.MaximumEntropy, "clip": io.Clip}
-FREQUENCIES = np.geomspace(0.03, 3.0, 200)
-
 MADE_FETCH = 200e3
 """Fetch [m] of the sea that is made where there are no measured ones, if the config's wind has none."""
-
-
-class SeaNumbers(NamedTuple):
-    """What is reported of a record; with a leading axis, of all records of a file."""
-
-    wave_height: Float[Array, "*r"]
-    peak_period: Float[Array, "*r"]
-    mean_square_slope: Float[Array, "*r"]
-    measured_slope: Float[Array, "*r"]
-    covariance: Float[Array, "*r 3 3"]
-    cut_off: Float[Array, "*r"]
-    energy: Float[Array, "*r frequency"]
-
-
-@dataclass(frozen=True)
-class Station:
-    """One file: its records by time or number, their numbers, and why some were left out."""
-
-    name: str
-    times: np.ndarray
-    numbers: SeaNumbers
-    left_out: tuple[str, ...]
 
 
 def run(config: schema.MeasuredSeaConfig, progress: Reporter, store: Files) -> Result:
@@ -59,156 +29,115 @@ def run(config: schema.MeasuredSeaConfig, progress: Reporter, store: Files) -> R
         progress.step("Making a spectrum file, since there are no measured ones")
         files = (_make_file(config, store.folder / "made_here.nc"),)
         notes.append("No measured files were found: made_here.nc holds a JONSWAP sea of the config's wind.")
-    stations = [
-        _station(name, path, config, progress) for name, path in zip(_names(files), files, strict=True)
-    ]
-    progress.step("Predicting the coverage")
-    views = [
-        SeaView(station.name, station.times, station.numbers, projected, rest)
-        for station, (projected, rest) in zip(stations, _coverage(stations, config.threshold), strict=True)
-    ]
+    with jax.enable_x64(True):
+        stations = _stations(files, config, progress, notes)
+        laws = {station.name: _laws(station, config) for station in stations}
     progress.step("Drawing")
-    for view in views:
-        _measured_views.save(store, view, config)
-        if view.times.size > 2:
-            _measured_views.plot_records(store, view, config)
-    _measured_views.plot_spectra(store, FREQUENCIES, views)
     for station in stations:
-        if station.left_out:
-            count, first = len(station.left_out), station.left_out[0]
-            notes.append(f"{station.name}: {count} records left out, the first because: {first}")
-    return _result(views, config, notes)
+        _measured_views.save(store, station, laws[station.name], config)
+        if station.times.size > 2:
+            _measured_views.plot_records(store, station, laws[station.name], config)
+    _measured_views.plot_spectra(store, stations)
+    notes += [note for station in stations for note in _notes(station, config)]
+    notes.append(
+        "Buoys stop far below the waves that break: the tail decides about W (try tail.law=elfouhaily)."
+    )
+    result = _result(stations, laws, config, notes)
+    store.text("report.md", _measured_report.report(stations, laws, config, notes))
+    return result
 
 
-def _station(name: str, path: Path, config: schema.MeasuredSeaConfig, progress: Reporter) -> Station:
-    """The numbers of all records of one file; a record that cannot be used is left out and counted."""
-    progress.step(f"Reading {path.name}")
-    dataset = io.open_spectra(path)
-    records = list(_records(dataset, config.records))
-    advance = progress.count(f"Integrating {len(records)} records of {path.name}", len(records))
-    times, numbers, left_out = [], [], []
-    for position, record in enumerate(records):
-        try:
-            spectrum = _spectrum(dataset, record, config)
-        except ValueError as error:
-            left_out.append(str(error))
+def _stations(
+    files: Sequence[Path], config: schema.MeasuredSeaConfig, progress: Reporter, notes: list[str]
+) -> list[Station]:
+    """The numbers of all files; one without the records that are asked for is left out and noted."""
+    stations, extents = [], []
+    for name, path in zip(_names(files), files, strict=True):
+        progress.step(f"Reading {path.name}")
+        dataset = read(path, config.kind)
+        station = describe(name, dataset, config, progress.count)
+        if station is None:
+            extents.append(f"{name} has {_extent(dataset)}")
+            notes.append(f"{name} has none of the records that were asked for: it is left out.")
         else:
-            times.append(dataset["time"].values[record["time"]] if "time" in record else position)
-            numbers.append(_describe(spectrum, config.choppiness, config.breaking_wavenumber, config.band))
-        advance()
-    if not numbers:
-        raise ValueError(f"File {path} holds no usable record: {left_out[0]}")
-    stacked = jax.tree.map(lambda *each: np.stack(each), *numbers)
-    return Station(name, np.asarray(times), stacked, tuple(left_out))
+            stations.append(station)
+    if not stations:
+        raise UserError(f"No file has a record that `record` and `times` ask for: {'; '.join(extents)}.")
+    return stations
 
 
-def _spectrum(dataset: Any, record: dict[str, int], config: schema.MeasuredSeaConfig) -> MeasuredSpectrum:
-    return io.spectrum_from_dataset(
-        dataset,
-        record=record,
-        tail=_tail(config, dataset, record),
-        cut_off=config.cut_off,
-        negative=NEGATIVE[config.negative](),
-    )
+def _extent(dataset: Any) -> str:
+    records = int(np.prod([n for name, n in dataset["efth"].sizes.items() if name not in ("freq", "dir")]))
+    said = f"{records} records (0 to {records - 1})"
+    if "time" not in dataset:
+        return said
+    times = np.atleast_1d(dataset["time"].values)
+    return f"{said} from {str(times.min())[:16]} to {str(times.max())[:16]}"
 
 
-@eqx.filter_jit
-def _describe(spectrum, choppiness, breaking_wavenumber, band) -> SeaNumbers:
-    stats = jo.whitecaps.strain_statistics(
-        spectrum, choppiness, band=band, breaking_wavenumber=breaking_wavenumber
-    )
-    without_tail = eqx.tree_at(lambda s: s.tail, spectrum, tails.NoTail())
-    return SeaNumbers(
-        wave_height=jo.spectra.significant_wave_height(spectrum, band=band),
-        peak_period=jo.spectra.peak_period(spectrum),
-        mean_square_slope=jo.spectra.mean_square_slope(spectrum, band=band),
-        measured_slope=jo.spectra.mean_square_slope(without_tail, band=band),
-        covariance=stats.covariance,
-        cut_off=spectrum.cut_off(),
-        energy=jo.spectra.frequency_spectrum(spectrum, jnp.asarray(FREQUENCIES)),
-    )
-
-
-def _coverage(stations: list[Station], threshold: float) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Projected and rest coverage of every record; all files in one call, compiled once."""
-    covariance = jnp.concatenate([station.numbers.covariance for station in stations])
-    stats = jo.whitecaps.StrainStatistics(jnp.zeros_like(covariance[:, 0]), covariance)
-    projected, rest = _close(stats, threshold)
-    ends = np.cumsum([station.times.size for station in stations])[:-1]
-    return list(zip(np.split(np.asarray(projected), ends), np.split(np.asarray(rest), ends), strict=True))
-
-
-@eqx.filter_jit
-def _close(stats: jo.whitecaps.StrainStatistics, threshold: float):
-    return tuple(jo.whitecaps.ExactClosure(measure)(stats, threshold) for measure in ("projected", "rest"))
-
-
-def _names(files: tuple[Path, ...]) -> list[str]:
+def _names(files: Sequence[Path]) -> list[str]:
     """A name for each file's results: its stem, numbered where two are alike."""
     stems = [path.stem for path in files]
     return [f"{stem}_{i + 1}" if stems.count(stem) > 1 else stem for i, stem in enumerate(stems)]
 
 
-def _records(dataset: Any, most: int) -> Iterator[dict[str, int]]:
-    """Indices of at most `most` records, evenly spaced over every dimension but frequency and direction."""
-    if "efth" not in dataset:
-        yield {}
-        return
-    sizes = {str(name): size for name, size in dataset["efth"].sizes.items() if name not in ("freq", "dir")}
-    everything = list(itertools.product(*(range(size) for size in sizes.values())))
-    chosen = np.unique(np.linspace(0, len(everything) - 1, min(most, len(everything))).astype(int))
-    for index in chosen:
-        yield dict(zip(sizes, everything[index], strict=True))
-
-
-def _tail(config: schema.MeasuredSeaConfig, dataset: Any, record: dict[str, int]) -> tails.AbstractTail:
-    """The tail of a config; that of Elfouhaily has the record's own wind where there is one."""
-    match config.tail:
-        case schema.NoTailConfig():
-            return tails.NoTail()
-        case schema.PowerTailConfig():
-            return tails.PowerTail(config.tail.exponent)
-        case schema.ElfouhailyTailConfig():
-            try:
-                wind = io.wind_from_dataset(dataset, record=record)
-            except ValueError:
-                wind = _build.wind(config.wind)
-            return tails.ElfouhailyTail(wind, blend=config.tail.blend, exponent=config.tail.exponent)
+def _laws(station: Station, config: schema.MeasuredSeaConfig) -> dict[str, np.ndarray]:
+    """Coverage by the laws at the file's wind; none where the waves themselves gave that wind."""
+    known = np.isfinite(station.winds)
+    if station.wind_origin in (None, "derived") or not known.any():
+        return {}
+    speeds = jnp.asarray(np.where(known, station.winds, 1.0))
+    found = {}
+    for name in config.laws:
+        law = _build.law(name)
+        coverage = np.asarray(jax.vmap(lambda u, law=law: law.coverage(jo.Wind(u)))(speeds))
+        found[name] = np.where(known, coverage, np.nan)
+    return found
 
 
 def _make_file(config: schema.MeasuredSeaConfig, path: Path) -> Path:
     wind = _build.wind(config.wind)
-    sea = (
-        jo.spectra.JONSWAP.from_fetch(wind, fetch=200e3)
-        if wind.fetch is None
-        else jo.spectra.JONSWAP.from_fetch(wind)
-    )
-    return io.write_spectrum(sea, path)
+    fetch = MADE_FETCH if wind.fetch is None else None
+    return io.write_spectrum(jo.spectra.JONSWAP.from_fetch(wind, fetch=fetch), path)
 
 
-def _result(views: list[SeaView], config: schema.MeasuredSeaConfig, notes: list[str]) -> Result:
+def _notes(station: Station, config: schema.MeasuredSeaConfig) -> list[str]:
+    notes = []
+    if station.left_out:
+        count, first = len(station.left_out), station.left_out[0]
+        notes.append(f"{station.name}: {count} records left out, the first because: {first}")
+    if station.wind_origin == "derived":
+        tail = isinstance(config.tail, schema.ElfouhailyTailConfig)
+        used = " Only its tail is that of this wind." if tail else ""
+        notes.append(
+            f"{station.name}: its wind is derived from its waves, not measured: no law is held against it.{used}"
+        )
+    return notes
+
+
+def _result(
+    stations: Sequence[Station],
+    laws: dict[str, dict[str, np.ndarray]],
+    config: schema.MeasuredSeaConfig,
+    notes: Sequence[str],
+) -> Result:
     limit = "none" if config.breaking_wavenumber is None else f"{config.breaking_wavenumber:.4g} rad/m"
     title = (
-        f"Means over the records; tail {tail_name(config)}, ε = {config.threshold:g}, "
+        f"Means over the records; tail {_measured_views.tail_name(config)}, ε = {config.threshold:g}, "
         f"λ = {config.choppiness:g}, k_b = {limit}"
     )
-    columns = (
-        "file",
-        "records",
-        "Hs (m)",
-        "Tp (s)",
-        "cut-off (Hz)",
-        "mss below it",
-        "mss",
-        "W projected",
-        "W rest",
-    )
+    columns = ("file", "records", "Hs (m)", "Tp (s)", "cut-off (Hz)", "mss below it", "mss")
     rows = []
-    for view in views:
-        n = view.numbers
+    for station in stations:
+        n = station.numbers
         quantities = (n.wave_height, n.peak_period, n.cut_off, n.measured_slope, n.mean_square_slope)
-        means = [float(np.mean(quantity)) for quantity in (*quantities, view.projected, view.rest)]
-        rows.append((view.name, view.times.size, *means))
+        means = [float(np.mean(quantity)) for quantity in (*quantities, n.projected[:, 1], n.rest)]
+        rows.append((station.name, station.times.size, *means))
+    columns_of = {station.name: _columns(station, laws[station.name]) for station in stations}
+    together = {
+        name: np.concatenate([columns_of[station.name][name] for station in stations])
+        for name in _columns(stations[0], {})
+    }
     return Result(
         values={
             "tail": config.tail.model_dump(),
@@ -216,23 +145,43 @@ def _result(views: list[SeaView], config: schema.MeasuredSeaConfig, notes: list[
             "choppiness": config.choppiness,
             "breaking_wavenumber_rad_per_m": config.breaking_wavenumber,
             "band_rad_per_m": config.band,
+            "records": sum(station.times.size for station in stations),
+            "records_left_out": sum(len(station.left_out) for station in stations),
+            **{f"mean_{name}": float(np.mean(values)) for name, values in together.items()},
             "files": {
-                view.name: {
-                    "time": [str(time) for time in view.times],
-                    "significant_wave_height_m": view.numbers.wave_height,
-                    "peak_period_s": view.numbers.peak_period,
-                    "mean_square_slope": view.numbers.mean_square_slope,
-                    "mean_square_slope_below_the_cut_off": view.numbers.measured_slope,
-                    "cut_off_hz": view.numbers.cut_off,
-                    "coverage_projected": view.projected,
-                    "coverage_rest": view.rest,
+                station.name: {
+                    "time": [str(time) for time in station.times],
+                    **{name: _plain(values) for name, values in columns_of[station.name].items()},
                 }
-                for view in views
+                for station in stations
             },
         },
-        tables=(Table(title, columns, rows),),
-        notes=(
-            *notes,
-            "Buoys stop far below the waves that break: the tail decides about W (try tail.law=elfouhaily).",
-        ),
+        tables=(Table(title, (*columns, "W projected", "W rest"), rows),),
+        notes=tuple(notes),
     )
+
+
+def _columns(station: Station, laws: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The numbers of all records, by names that tell their units."""
+    n = station.numbers
+    columns = {
+        "significant_wave_height_m": n.wave_height,
+        "peak_period_s": n.peak_period,
+        "mean_square_slope": n.mean_square_slope,
+        "mean_square_slope_below_the_cut_off": n.measured_slope,
+        "cut_off_hz": n.cut_off,
+        "coverage_projected": n.projected[:, 1],
+        "coverage_rest": n.rest,
+        **{
+            f"coverage_projected_tail_{abs(exponent):g}": n.other_tails[:, i]
+            for i, exponent in enumerate(OTHER_TAILS)
+        },
+    }
+    if np.isfinite(station.winds).any():
+        columns[f"wind_speed_{station.wind_origin}_m_per_s"] = station.winds
+    return columns | {f"coverage_{name}": values for name, values in laws.items()}
+
+
+def _plain(values: np.ndarray) -> Any:
+    """A number where there is one record, as a sweep over records wants it; else all of them."""
+    return float(values[0]) if values.size == 1 else values

@@ -1,12 +1,11 @@
-"""The config of each experiment."""
+"""The config of `spectrum`."""
 
-import os
-from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from ._base import ExperimentConfig, Section, key, wrong
+from ._data import DATA_VARIABLE as DATA_VARIABLE
 from ._sea import (
     CascadeConfig,
     Choppiness,
@@ -55,77 +54,3 @@ class SeaStateConfig(ExperimentConfig):
         if self.depth is not None and isinstance(self.spectrum, TmaConfig):
             raise wrong("depth", "be null, since the spectrum `tma` has a key `spectrum.depth` of its own")
         return self
-
-
-class NoTailConfig(Section):
-    """Nothing above the cut-off."""
-
-    law: Literal["none"] = key("none", meaning="what follows above the cut-off")
-
-
-class PowerTailConfig(Section):
-    """A power law in frequency."""
-
-    law: Literal["power"] = key("power", meaning="what follows above the cut-off")
-    exponent: float = key(-5.0, unit="-", meaning="n of E ∝ f^n: -5 or -4", ge=-10, le=-1.01)
-
-
-class ElfouhailyTailConfig(Section):
-    """The unified spectrum of the file's own wind, or of `wind` where it has none."""
-
-    law: Literal["elfouhaily"] = key("elfouhaily", meaning="what follows above the cut-off")
-    blend: float = key(1.5, unit="-", meaning="frequency ratio over which it is blended in", ge=1.01, le=100)
-    exponent: float = key(-5.0, unit="-", meaning="of the power law meanwhile", ge=-10, le=-1.01)
-
-
-TailConfig = Annotated[NoTailConfig | PowerTailConfig | ElfouhailyTailConfig, Field(discriminator="law")]
-
-DATA_VARIABLE = "JAXOCEAN_DATA"
-SPECTRA_SUFFIXES = (".data_spec", ".csv", ".DIRSPEC", ".nc", ".spec")
-
-
-class MeasuredSeaConfig(ExperimentConfig):
-    """`measured_sea`: whitecap coverage predicted from measured directional spectra."""
-
-    experiment: Literal["measured_sea"] = key("measured_sea", meaning="which experiment this config runs")
-    files: tuple[str, ...] = key(
-        (), meaning="spectrum files; []: those of $JAXOCEAN_DATA/spectra (../shared/data), else one made here"
-    )
-    records: int = key(200, meaning="at most so many records of each file, evenly spaced", ge=1, le=100_000)
-    cut_off: float | None = key(
-        0.4,
-        unit="Hz",
-        meaning="drop what was measured above: buoys lose energy there",
-        gt=0,
-        le=10,
-    )
-    negative: Literal["renormalise", "maximum_entropy", "clip"] = key(
-        "renormalise", meaning="what becomes of negative cells of buoys"
-    )
-    tail: TailConfig = key(PowerTailConfig(), meaning="what follows above the cut-off")
-    wind: WindConfig = key(WindConfig(), meaning="for the tail `elfouhaily` and for the file made here")
-    band: tuple[float, float] = key(
-        (1e-3, 400.0), unit="rad/m", meaning="[lower, upper] of |k| that counts", within="0 < lower < upper"
-    )
-    choppiness: float = key(1.0, unit="-", meaning="horizontal displacement λ", ge=0, le=20)
-    threshold: float = threshold_key()
-    breaking_wavenumber: float | None = breaking_wavenumber_key()
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        lower, upper = self.band
-        if not 0 < lower < upper:
-            raise wrong("band", f"be [lower, upper] with 0 < lower < upper, but is [{lower:g}, {upper:g}]")
-        return self
-
-    def spectrum_files(self) -> tuple[Path, ...]:
-        """The files to read; none where there is neither a key nor a data folder. One is NDBC's five."""
-        if self.files:
-            return tuple(Path(name).expanduser() for name in self.files)
-        folder = Path(os.environ.get(DATA_VARIABLE, "../shared/data")) / "spectra"
-        found = sorted(folder.iterdir()) if folder.is_dir() else []
-        return tuple(path for path in found if path.suffix in SPECTRA_SUFFIXES)
-
-    def inputs(self) -> tuple[str, ...]:
-        siblings = [p for path in self.spectrum_files() for p in sorted(path.parent.glob(f"{path.stem}.sw*"))]
-        return tuple(str(path) for path in (*self.spectrum_files(), *siblings))

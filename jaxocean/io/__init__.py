@@ -9,6 +9,7 @@ from ._negative import AbstractNegativeCells as AbstractNegativeCells
 from ._negative import Clip as Clip
 from ._negative import ClipAndRenormalise as ClipAndRenormalise
 from ._negative import MaximumEntropy as MaximumEntropy
+from ._read import Kind as Kind
 from ._read import open_spectra as open_spectra
 from ._read import read_spectrum as read_spectrum
 from ._ships import ShipRecords as ShipRecords

@@ -34,6 +34,7 @@ def spectrum_from_dataset(
     dispersion: Dispersion | None = None,
     cut_off: float | None = None,
     negative: AbstractNegativeCells | None = None,
+    tail_bins: int = 1,
 ) -> MeasuredSpectrum:
     """One record of a dataset `efth(…, freq, dir)` in wavespectra's conventions as a spectrum.
 
@@ -51,6 +52,7 @@ def spectrum_from_dataset(
     - `cut_off`: frequencies above it [Hz] are dropped, and always those above the highest one with energy in
       any record of the dataset (buoys pad with zeros).
     - `negative`: what to do with negative cells, `ClipAndRenormalise()` by default.
+    - `tail_bins`: how many of the highest frequencies give the tail its level.
 
     **Returns:** a `MeasuredSpectrum`, float64 under x64, else float32.
 
@@ -59,7 +61,7 @@ def spectrum_from_dataset(
     do about it.
     """
     return SpectrumRecords(dataset, cut_off=cut_off, negative=negative).spectrum(
-        record, tail=tail, dispersion=dispersion
+        record, tail=tail, dispersion=dispersion, tail_bins=tail_bins
     )
 
 
@@ -69,6 +71,8 @@ class SpectrumRecords:
     The dataset is checked once; each record then costs no more than itself, however many there are.
 
     **Arguments:** `dataset`, `cut_off`, `negative` as in `spectrum_from_dataset`.
+
+    **Attributes:** `frequency`: those that are used [Hz], increasing.
 
     **Raises:** `ValueError` as `spectrum_from_dataset` does, for what is wrong with the dataset as a whole.
     """
@@ -95,7 +99,7 @@ class SpectrumRecords:
                 f"Only {self._rows.size} frequencies of the dataset have energy below the cut-off: "
                 "choose a higher `cut_off`."
             )
-        self._frequency = frequency[self._rows]
+        self.frequency = frequency[self._rows]
 
     def records(self) -> list[dict[str, int]]:
         """The index of every record along each dimension but frequency and direction, the last one fastest."""
@@ -103,11 +107,16 @@ class SpectrumRecords:
         return [dict(zip(sizes, map(int, index), strict=True)) for index in np.ndindex(*sizes.values())]
 
     def spectrum(
-        self, record: Record, *, tail: AbstractTail | None = None, dispersion: Dispersion | None = None
+        self,
+        record: Record,
+        *,
+        tail: AbstractTail | None = None,
+        dispersion: Dispersion | None = None,
+        tail_bins: int = 1,
     ) -> MeasuredSpectrum:
         """One record.
 
-        **Arguments:** `record`, `tail`, `dispersion` as in `spectrum_from_dataset`.
+        **Arguments:** `record`, `tail`, `dispersion`, `tail_bins` as in `spectrum_from_dataset`.
 
         **Raises:** `ValueError` for a record that is not there or has missing values.
         """
@@ -121,10 +130,11 @@ class SpectrumRecords:
         table = repair(table, self._angles, self._negative)
         return MeasuredSpectrum(
             table * (180 / np.pi),
-            self._frequency,
+            self.frequency,
             self._angles[0],
             tail=PowerTail() if tail is None else tail,
             dispersion=_dispersion(self._dataset, record) if dispersion is None else dispersion,
+            tail_bins=min(tail_bins, self.frequency.size),
         )
 
 

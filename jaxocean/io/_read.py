@@ -35,6 +35,7 @@ def read_spectrum(
     dispersion: Dispersion | None = None,
     cut_off: float | None = None,
     negative: AbstractNegativeCells | None = None,
+    tail_bins: int = 1,
 ) -> MeasuredSpectrum:
     """One record of a file of measured or modelled directional spectra.
 
@@ -52,6 +53,7 @@ def read_spectrum(
         dispersion=dispersion,
         cut_off=cut_off,
         negative=negative,
+        tail_bins=tail_bins,
     )
 
 

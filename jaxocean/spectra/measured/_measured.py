@@ -34,6 +34,9 @@ class MeasuredSpectrum(AbstractSpectrum):
       equally spaced over the circle. A leaf: it turns the sea.
     - `tail`: what follows above the cut-off.
     - `dispersion`: how f and k go together where it was measured (depth).
+    - `tail_bins`: how many of the highest frequencies give the tail its level; static. With 1 (default) the tail
+      continues the last bin, whose noise then decides about all short waves; with n the mean of what the n last bins
+      say of it, each carried to the last one along the tail. What was measured is left alone.
 
     **Raises:** `ValueError` for shapes that do not fit, frequencies that do not increase from above 0, or
     energies that are negative or not finite.
@@ -44,9 +47,15 @@ class MeasuredSpectrum(AbstractSpectrum):
     first_direction: Scalar = eqx.field(converter=as_leaf, default=0.0)
     tail: AbstractTail = eqx.field(default_factory=PowerTail, kw_only=True)
     dispersion: Dispersion = eqx.field(default_factory=Dispersion, kw_only=True)
+    tail_bins: int = eqx.field(static=True, default=1, kw_only=True)
 
     def __check_init__(self) -> None:
         check_scalar("first_direction", self.first_direction, "rad")
+        if not 1 <= self.tail_bins <= self.frequency.shape[0]:
+            raise ValueError(
+                f"Argument `tail_bins` must lie between 1 and the {self.frequency.shape[0]} frequencies, "
+                f"but is {self.tail_bins}."
+            )
         if is_concrete(self.frequency) and isinstance(self.frequency, (np.ndarray, jnp.ndarray)):
             f = np.asarray(self.frequency)
             increasing = f.ndim == 1 and f.size > 1 and np.isfinite(f).all() and (np.diff(f) > 0).all()
@@ -77,24 +86,26 @@ class MeasuredSpectrum(AbstractSpectrum):
 
     def density(self, wavenumber: Float[Array, "*k"], angle: Float[Array, "*k"]) -> Float[Array, "*k"]:
         columns = self.energy.shape[1]
-        knots, table = self._table()
+        knots, table, edge = self._table()
         place = jnp.mod((angle - self.first_direction) * (columns / (2 * jnp.pi)), columns)
         whole = jnp.clip(jnp.floor(place), 0, columns - 1)  # rounding may lift `place` to the full circle
         left, part = whole.astype(int), place - whole
-        row, upper, scale, share = self._row(knots, wavenumber)
+        row, upper, beyond, scale, share = self._row(knots, wavenumber)
         right = (left + 1) % columns
         below = (1 - part) * table[row, left] + part * table[row, right]
         above = (1 - part) * table[row + 1, left] + part * table[row + 1, right]
-        measured = scale / wavenumber * ((1 - upper) * below + upper * above)
+        after = (1 - part) * edge[left] + part * edge[right]
+        measured = scale / wavenumber * jnp.where(beyond, after, (1 - upper) * below + upper * above)
         model = self.tail.model()
         return measured if model is None else measured + share * model.density(wavenumber, angle)
 
     def harmonics(self, wavenumber: Float[Array, "*k"]) -> Harmonics:
-        knots, table = self._table()
+        knots, table, edge = self._table()
         moments = table @ self._basis()
-        row, upper, scale, share = self._row(knots, wavenumber)
-        upper, scale = upper[..., None], scale[..., None]
-        measured = scale * ((1 - upper) * moments[row] + upper * moments[row + 1])
+        row, upper, beyond, scale, share = self._row(knots, wavenumber)
+        upper, beyond, scale = upper[..., None], beyond[..., None], scale[..., None]
+        inside = (1 - upper) * moments[row] + upper * moments[row + 1]
+        measured = scale * jnp.where(beyond, edge @ self._basis(), inside)
         harmonics = Harmonics(*jnp.moveaxis(measured, -1, 0))
         model = self.tail.model()
         if model is None:
@@ -103,7 +114,7 @@ class MeasuredSpectrum(AbstractSpectrum):
         return Harmonics(*(own + share * other for own, other in pairs))
 
     def kinks(self) -> Float[Array, " n"]:
-        knots, _ = self._table()
+        knots, *_ = self._table()
         return self.dispersion.wavenumber(2 * jnp.pi * knots)
 
     def _basis(self) -> Float[Array, "d 5"]:
@@ -127,21 +138,30 @@ class MeasuredSpectrum(AbstractSpectrum):
             axis=-1,
         )
 
-    def _table(self) -> tuple[Float[Array, " knots"], Float[Array, "knots d"]]:
-        """The table with a row at each outer edge of its first and last cell."""
+    def _table(self) -> tuple[Float[Array, " knots"], Float[Array, "knots d"], Float[Array, " d"]]:
+        """The table with a row at each outer edge of its first and last cell, and the row that the tail continues."""
         f, e = self.frequency, self.energy
         lowest = jnp.maximum(f[0] - 0.5 * (f[1] - f[0]), 0.0)
         last = jnp.sum(e[-LAST_BINS:], axis=0)
         total = jnp.sum(last)
         shape = last / jnp.where(total > 0, total, 1.0)
-        edge = shape * jnp.sum(e[-1])
         return (
             jnp.concatenate([lowest[None], f, self.cut_off()[None]]),
-            jnp.concatenate([e[:1], e, edge[None]]),
+            jnp.concatenate([e[:1], e, (shape * jnp.sum(e[-1]))[None]]),
+            shape * self._tail_level(),
         )
 
+    def _tail_level(self) -> Scalar:
+        """What the last `tail_bins` frequencies say of the energy at the last one."""
+        f, e = self.frequency[-self.tail_bins :], jnp.sum(self.energy[-self.tail_bins :], axis=1)
+        if self.tail_bins == 1:
+            return e[0]
+        along = self.tail.continuation(f / f[-1])
+        follows = along > 0  # no tail continues nothing
+        return jnp.mean(jnp.where(follows, e / jnp.where(follows, along, 1.0), e[-1]))
+
     def _row(self, knots: Float[Array, " knots"], k: Float[Array, "*k"]):
-        """Row of the table, weight of the row above it, factor from E to Ψk, share of the tail's model."""
+        """Row of the table, weight of the row above it, whether it is tail, factor from E to Ψk, share of the model."""
         f = self.dispersion.frequency(k) / (2 * jnp.pi)
         cut_off = knots[-1]
         inside = jnp.clip(f, knots[0], cut_off)
@@ -151,4 +171,4 @@ class MeasuredSpectrum(AbstractSpectrum):
         ratio = jnp.where(beyond, f, cut_off) / cut_off
         level = jnp.where(beyond, self.tail.continuation(ratio), jnp.where(f < knots[0], 0.0, 1.0))
         share = jnp.where(beyond, self.tail.share(ratio), 0.0)
-        return row, upper, level * self.dispersion.group_speed(k) / (2 * jnp.pi), share
+        return row, upper, beyond, level * self.dispersion.group_speed(k) / (2 * jnp.pi), share
