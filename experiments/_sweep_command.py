@@ -9,6 +9,7 @@ from . import sweeps
 from ._errors import UserError
 from .sweeps._design import Kind
 from .sweeps._executors import available_cores
+from .sweeps._meter import in_words
 
 DESIGNS: tuple[Kind, ...] = ("sobol", "random")
 
@@ -49,7 +50,8 @@ def sweep_command(
     if found:
         print(f"\nFound again, finished {origin['date']} (--force repeats it): {finished.folder}")
     else:
-        print(f"\nFinished in {origin['duration_s']:.1f} s: {finished.folder}")
+        rate = in_words(origin["points_computed"] / max(origin["computing_s"], 1e-3))
+        print(f"\nFinished in {origin['duration_s']:.1f} s ({rate} while computing): {finished.folder}")
     print("  results.nc  results.zarr  report.md")
 
 

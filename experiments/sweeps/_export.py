@@ -1,4 +1,7 @@
-"""From the store to one CF netCDF file, block by block, so that memory does not grow with the points."""
+"""From the store to one CF netCDF file, block by block, so that memory does not grow with the points.
+
+Nothing is compressed here: the store is, and zlib would take a good part of the time of a large sweep.
+"""
 
 import errno
 import os
@@ -13,7 +16,7 @@ from .._loading import Loaded
 from ._design import Design
 from ._results import DONE, REASON, Results, coordinate, labels, variable_name
 
-BLOCK = 2**19
+BLOCK = 2**17
 """Numbers that are copied at a time."""
 
 
@@ -65,13 +68,12 @@ def _listed(file: Any, results: Results) -> str:
     for name in names:
         array = results.array(name)
         text = array.dtype.kind == "T"
-        variable = file.createVariable(
-            name, str if text else "f8", ("point",), **_packing(results.count, text)
-        )
+        shape = (results.count,)
+        variable = file.createVariable(name, str if text else "f8", ("point",))
         variable.setncatts(dict(array.attrs))
-        for start, stop in _blocks(results.count):
+        for where, start, stop in _rows(shape, 1):
             values = np.asarray(array[start:stop])
-            variable[start:stop] = values.astype(object) if text else values
+            variable[where] = values.astype(object) if text else values
     return " ".join(names)
 
 
@@ -86,6 +88,7 @@ def _copy(file: Any, results: Results, name: str, design: Design, coordinates: s
     dimensions = tuple(_dimension(design, i) for i in range(len(design.axes)))
     if design.kind != "cartesian":
         dimensions = ("point",)
+    shape = design.shape if design.kind == "cartesian" else (results.count,)
     inner = array.shape[1:]
     for i, length in enumerate(inner):
         file.createDimension(f"{name}_{i}", length)
@@ -96,10 +99,8 @@ def _copy(file: Any, results: Results, name: str, design: Design, coordinates: s
         str if text else number,
         (*dimensions, *(f"{name}_{i}" for i in range(len(inner)))),
         fill_value=np.nan if number == "f8" and not text else None,
-        **_packing(results.count, text),
     )
     variable.setncatts(attributes)
-    shape = design.shape if design.kind == "cartesian" else (results.count,)
     for where, start, stop in _rows(shape, max(1, int(np.prod(inner)))):
         values = np.asarray(array[start:stop])
         values = values.reshape(*(one.stop - one.start for one in where), *shape[len(where) :], *inner)
@@ -109,16 +110,6 @@ def _copy(file: Any, results: Results, name: str, design: Design, coordinates: s
 def _dimension(design: Design, i: int) -> str:
     axis = design.axes[i]
     return variable_name(axis.key) + ("" if axis.values.numeric else "_index")
-
-
-def _packing(count: int, text: bool) -> dict[str, Any]:
-    """Compression where it is worth it; texts have none."""
-    return {} if text or count <= 4096 else {"zlib": True, "complevel": 1, "shuffle": True}
-
-
-def _blocks(count: int) -> Iterator[tuple[int, int]]:
-    for start in range(0, count, BLOCK):
-        yield start, min(start + BLOCK, count)
 
 
 def _rows(shape: tuple[int, ...], inner: int) -> Iterator[tuple[tuple[slice, ...], int, int]]:

@@ -56,7 +56,7 @@ def run(sweep: Sweep, open_executor: Open, watch: Watch, *, retry_failed: bool, 
     compute failed points again; `force`: throw away what is there.
 
     **Raises:** `UserError` for a store that belongs to another sweep or that another process is writing, a full
-    disk, a lost scheduler, or if no point could be computed; `KeyboardInterrupt` with what is kept.
+    disk, a lost scheduler, or if no point could be computed; `Interrupted` after Ctrl-C, with what is kept.
     """
     began = time.perf_counter()
     try:
@@ -67,13 +67,12 @@ def run(sweep: Sweep, open_executor: Open, watch: Watch, *, retry_failed: bool, 
             if not sweep.folder.exists():
                 _found(sweep)
             results = _open(sweep)
-            for name in FINAL:
-                (sweep.folder / name).unlink(missing_ok=True)
-            notes = _compute(sweep, results, open_executor, watch, retry_failed=retry_failed)
+            notes, speed = _compute(sweep, results, open_executor, watch, retry_failed=retry_failed)
             result = summarise(sweep, results, notes)
             _refuse_nothing(sweep, result)
             export(results, sweep.points.design, sweep.base, sweep.folder / EXPORT)
-            _finish(sweep, result, time.perf_counter() - began)
+            origin = provenance(sweep.base, sweep.digest, time.perf_counter() - began)
+            _finish(sweep, result, origin | speed)
     except OSError as error:
         raise UserError(_unwritable(sweep, error)) from error
     except KeyboardInterrupt:
@@ -132,25 +131,30 @@ def _is_of(sweep: Sweep) -> bool:
 
 def _compute(
     sweep: Sweep, results: Results, open_executor: Open, watch: Watch, *, retry_failed: bool
-) -> tuple[str, ...]:
+) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """Compute what is missing; notes, and how many points it took how long."""
+    scratch = sweep.folder / SCRATCH
+    shutil.rmtree(scratch, ignore_errors=True)
     done, failed = results.tally()
     before = done if retry_failed else done + failed
     if before == results.count:
-        return ()
-    scratch = sweep.folder / SCRATCH
-    shutil.rmtree(scratch, ignore_errors=True)
+        return (), {"points_computed": 0, "computing_s": 0.0}
     scratch.mkdir()
     task = Task(sweep.points, sweep.base.experiment, 0, 0, str(scratch.resolve()))
+    began = time.perf_counter()
     try:
         with open_executor() as (executor, lanes), watch(before, 0 if retry_failed else failed) as advance:
-            return drive(results, task, executor, lanes, retry_failed=retry_failed, advance=advance)
+            for name in FINAL:
+                (sweep.folder / name).unlink(missing_ok=True)
+            notes = drive(results, task, executor, lanes, retry_failed=retry_failed, advance=advance)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+    took = round(time.perf_counter() - began, 3)
+    return notes, {"points_computed": results.count - before, "computing_s": took}
 
 
-def _finish(sweep: Sweep, result: Result, duration: float) -> None:
+def _finish(sweep: Sweep, result: Result, origin: dict[str, Any]) -> None:
     """Tables, words and provenance; `result.json` last: it says that all the others are there."""
-    origin = provenance(sweep.base, sweep.digest, duration)
     contents = {
         "provenance.json": json.dumps(origin, indent=2, ensure_ascii=False),
         "report.md": report(sweep, result),

@@ -12,7 +12,6 @@ import xarray as xr
 from _sweep_toys import compute
 from PIL import Image
 
-import jaxocean as jo
 from experiments import schema, sweeps
 from experiments._errors import UserError
 from experiments._execute import execute
