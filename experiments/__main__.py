@@ -94,7 +94,7 @@ def sweep(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option("--workers", "-j", min=1, help="Processes [one per core].")
+        int | None, typer.Option("--workers", "-j", min=1, help="Processes; one per core unless said.")
     ] = None,
     zipped: Annotated[
         bool, typer.Option("--zip", help="Take the values side by side instead of every combination.")
@@ -108,7 +108,7 @@ def sweep(
         typer.Option("--scheduler", metavar="ADDRESS", help="Compute on this dask.distributed cluster."),
     ] = None,
     output: Annotated[
-        str | None, typer.Option("--output", metavar="DIR", help="Folder for sweeps [runs].")
+        str | None, typer.Option("--output", metavar="DIR", help="Folder for sweeps; runs unless said.")
     ] = None,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Compute points that failed again.")

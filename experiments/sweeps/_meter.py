@@ -1,7 +1,7 @@
 """How far a sweep is: points, failures, rate and time left on a terminal, one line elsewhere."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -13,20 +13,26 @@ Advance = Callable[[int, int], None]
 
 
 class _Rate(ProgressColumn):
-    """Points per second since this command began, and the time left at that rate."""
+    """Points per second, and the time left at that rate."""
 
     def render(self, task: Task) -> Text:
-        rate = speed(task)
+        rate = speed(task.fields["laps"], time.monotonic())
         if rate is None or task.total is None:
             return Text("")
-        left = (task.total - task.completed) / rate
-        return Text(f"{in_words(rate)} · {clock(left)} left")
+        return Text(f"{in_words(rate)} · {clock((task.total - task.completed) / rate)} left")
 
 
-def speed(task: Task) -> float | None:
-    """Points per second that this command has computed; None before the first."""
-    here = task.completed - task.fields["before"]
-    return here / max(task.fields["clock"]() - task.fields["began"], 1e-9) if here > 0 else None
+def speed(laps: Sequence[tuple[float, int]], now: float) -> float | None:
+    """Points per second; None before the first task is done.
+
+    **Arguments:** `laps`: when this command began, and when each of its tasks ended, with the points done by then;
+    `now`: the time. The first task is left out as soon as there are others: it has waited for compilation.
+    """
+    if len(laps) < 2:
+        return None
+    start, first = laps[0] if len(laps) == 2 else laps[1]
+    end = laps[-1][0] if len(laps) > 2 else now
+    return (laps[-1][1] - first) / max(end - start, 1e-9)
 
 
 def in_words(rate: float) -> str:
@@ -56,14 +62,13 @@ def meter(console: Console, what: str, total: int, before: int, failed: int) -> 
     columns = (TextColumn("{task.description}"), BarColumn(24), MofNCompleteColumn(), _Rate())
     failures = failed
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        began = time.monotonic()
-        task = progress.add_task(
-            what, total=total, completed=before, before=before, began=began, clock=time.monotonic
-        )
+        laps = [(time.monotonic(), before)]
+        task = progress.add_task(what, total=total, completed=before, laps=laps)
 
         def advance(points: int, failed: int) -> None:
             nonlocal failures
             failures += failed
+            laps.append((time.monotonic(), laps[-1][1] + points))
             description = what if failures == 0 else f"{what} ({failures:,} failed)"
             progress.update(task, advance=points, description=description)
 

@@ -1,9 +1,12 @@
 """Sweeps of toys in this process: what is in the store, what fails, what is found again, what is refused."""
 
+import io
 import json
+import re
 import shutil
 import subprocess
 import sys
+import time
 import warnings
 
 import numpy as np
@@ -11,12 +14,14 @@ import pytest
 import xarray as xr
 import zarr
 from _sweep_toys import compute, computed, plan
+from rich.console import Console
 
 from experiments._errors import UserError
 from experiments._quantity import udunits, unit_of_name
-from experiments.sweeps import find_finished
+from experiments.sweeps import find_finished, meter
 from experiments.sweeps._executors import Inline
 from experiments.sweeps._export import _rows
+from experiments.sweeps._meter import clock, in_words, speed
 
 
 @pytest.fixture(scope="module")
@@ -260,6 +265,45 @@ def test_an_error_of_a_task_comes_out_of_its_future():
     with Inline() as executor:
         assert executor.submit(divmod, 7, 2).result() == (3, 1)
         assert isinstance(executor.submit(divmod, 7, 0).exception(), ZeroDivisionError)
+
+
+def test_the_meter_tells_points_failures_rate_and_time_left_on_a_terminal():
+    screen = io.StringIO()
+    console = Console(file=screen, force_terminal=True, width=120)
+    with meter(console, "toys", 1000, 100, 0) as advance:
+        for _ in range(3):
+            advance(100, 1)
+            time.sleep(0.02)
+    shown = screen.getvalue()
+    assert "400/1000" in shown
+    assert "toys (3 failed)" in shown
+    assert re.search(r"[\d,]+ points/s · 0:00:0\d left", shown)
+
+
+def test_the_meter_is_one_line_where_there_is_no_terminal():
+    screen = io.StringIO()
+    with meter(Console(file=screen, force_terminal=False), "toys", 1000, 100, 0) as advance:
+        advance(900, 0)
+    assert screen.getvalue() == "Sweeping toys: 1,000 points, 100 are there already …\n"
+
+
+def test_the_rate_leaves_out_the_first_task_which_waits_for_compilation():
+    assert speed([(0.0, 50)], 5.0) is None
+    assert speed([(0.0, 50), (4.0, 90)], 8.0) == 5.0
+    assert speed([(0.0, 50), (10.0, 60), (12.0, 160), (14.0, 260)], 99.0) == 50.0
+
+
+@pytest.mark.parametrize(
+    ("rate", "words"),
+    [(12345.6, "12,346 points/s"), (1.26, "1.3 points/s"), (0.5, "30 points/min"), (0.001, "3.6 points/h")],
+)
+def test_rates_are_told_in_the_unit_that_reads_best(rate, words):
+    assert in_words(rate) == words
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(59.6, "0:01:00"), (3661, "1:01:01"), (90061, "1 d 1:01:01")])
+def test_durations_are_told_as_hours_minutes_and_seconds(seconds, text):
+    assert clock(seconds) == text
 
 
 @pytest.mark.parametrize(
