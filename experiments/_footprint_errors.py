@@ -34,7 +34,7 @@ CLOSURES = (
 over the patterns: in the footprint, and as pyramids give them."""
 
 NEGLIGIBLE = 6.0
-"""Where the mean of j lies so many deviations above ε, W is below 1e-9 and is not worth an exact closure."""
+"""Where the mean of j lies so many deviations above ε, W is below 1e-6 and is not worth an exact closure."""
 
 CHUNK = 8192
 
@@ -78,9 +78,10 @@ def measure(
 
 def _estimates(footprints: Footprints, looked: list[StrainStatistics], threshold: float) -> tuple[Any, ...]:
     """W of every footprint, at rest, in the order of `CLOSURES`."""
+    levels = jnp.full(len(footprints.channels), threshold, footprints.strain.dtype)
     return (
         exact(footprints.summed, threshold),
-        _apply(GaussianClosure("rest"), footprints.summed, threshold),
+        _apply(GaussianClosure("rest"), footprints.summed, levels),
         _apply(ProgramTwoChannelClosure(), footprints.channels, threshold),
         _apply(PrintedTwoChannelClosure(), footprints.channels, threshold),
         exact(footprints.independent, threshold),
@@ -103,7 +104,7 @@ def exact(stats: StrainStatistics, threshold: float) -> Float[np.ndarray, " foot
 
 
 @eqx.filter_jit
-def _apply(closure, moments, threshold: float) -> Float[Array, " footprint"]:
+def _apply(closure, moments, threshold) -> Float[Array, " footprint"]:
     return closure(moments, threshold)
 
 

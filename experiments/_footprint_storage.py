@@ -38,7 +38,8 @@ def compare(
     fields: jo.surface.Fields, cascade: jo.surface.Cascade, threshold: float, tile: Tile
 ) -> tuple[Stored, ...]:
     """Pyramids in half precision, as products and as covariances, against the one in single precision."""
-    single = filtering.MomentPyramid.from_fields(fields, cascade)
+    slope, strain = (each.astype(jnp.float32) for each in (fields.slope, fields.strain))
+    single = filtering.MomentPyramid.from_samples(slope, strain, cascade.sizes)
     squares, segments = tile.footprints(), [tile.segments()[i] for i in shown(tile)]
 
     def coverage(pyramid: filtering.MomentPyramid) -> list[np.ndarray]:

@@ -95,9 +95,9 @@ def _whole_plane(config: schema.FootprintBiasConfig, speed: float) -> tuple[np.n
             )
         exact, gaussian = jo.whitecaps.ExactClosure("rest"), jo.whitecaps.GaussianClosure("rest")
         coverage = np.asarray(exact(stats, jnp.asarray(config.thresholds)))
-        ratio = np.asarray(
-            jnp.exp(gaussian.log(stats, jnp.asarray(LEVELS)) - exact.log(stats, jnp.asarray(LEVELS)))
-        )
+        levels = jnp.asarray(LEVELS)
+        logs = [np.asarray(jax.vmap(lambda x, c=c: c.log(stats, x))(levels)) for c in (gaussian, exact)]
+        ratio = np.exp(logs[0] - logs[1])
         wrong = np.flatnonzero(np.abs(ratio - 1) > WITHIN)
         trusted = float(LEVELS[min(wrong[-1] + 1, len(LEVELS) - 1)]) if wrong.size else float(LEVELS[0])
         return coverage, float(stats.jacobian_skewness()), trusted
