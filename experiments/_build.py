@@ -21,8 +21,13 @@ def wind(config: schema.WindConfig, *, speed: float | None = None) -> jo.Wind:
         config.direction,
         fetch=config.fetch,
         sea_air_temperature_difference=config.sea_air_temperature_difference,
-        drag={"elfouhaily": winds.ElfouhailyDrag, "wu": winds.WuDrag}[config.drag](),
+        drag=drag(config.drag),
     )
+
+
+def drag(name: str) -> winds.AbstractDrag:
+    """A drag law."""
+    return {"elfouhaily": winds.ElfouhailyDrag, "wu": winds.WuDrag}[name]()
 
 
 def cascade(config: schema.CascadeConfig) -> jo.surface.Cascade:

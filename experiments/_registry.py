@@ -57,6 +57,12 @@ EXPERIMENTS = (
         "experiments.measured_sea",
     ),
     Experiment(
+        "ship_records",
+        "wind sea and swell from what ships report, and their whitecaps beside empirical laws",
+        schema.ShipRecordsConfig,
+        "experiments.ship_records",
+    ),
+    Experiment(
         "gaussian_vs_monte_carlo",
         "is the Jacobian Gaussian? coverage by three closures, by Monte Carlo and by FFT seas",
         schema.GaussianVsMonteCarloConfig,

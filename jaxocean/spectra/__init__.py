@@ -1,6 +1,7 @@
 """Directional wavenumber spectra Ψ(kx, ky) [m⁴], their dispersion relation, spreading and moments."""
 
 from ._breaking import breaking_filter as breaking_filter
+from ._bulk import YOUNGEST as YOUNGEST
 from ._bulk import WindSeaAndSwell as WindSeaAndSwell
 from ._bulk import wind_sea_and_swell as wind_sea_and_swell
 from ._dispersion import Dispersion as Dispersion
