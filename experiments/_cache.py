@@ -27,13 +27,13 @@ def cache_folder() -> Path | None:
 
 def keep_compiled_programs() -> None:
     """Switch JAX's persistent compilation cache on if it can be written; the user's own setting wins."""
-    import jax
-
     if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return
     folder = cache_folder()
     if folder is None or not _writable(folder):
         return
+    import jax
+
     jax.config.update("jax_compilation_cache_dir", str(folder))
     # Many small programs cost more than a few large ones: keep them all.
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)

@@ -52,6 +52,8 @@ def compute(task: Task) -> tuple[dict[str, Column], dict[int, str], tuple[str, .
 
 def _run(loaded: Loaded, scratch: str | None) -> dict[str, np.ndarray]:
     run = loaded.experiment.load()
+    if scratch is not None and not Path(scratch).is_dir():
+        scratch = None  # another machine
     with tempfile.TemporaryDirectory(prefix="point-", dir=scratch) as folder, warnings.catch_warnings():
         collect_warnings()
         result = run(loaded.config, Silent(), _Scratch(Path(folder), loaded))

@@ -49,13 +49,14 @@ class Outcome:
 
 def compute(task: Task) -> Outcome:
     """Compute all points of a task, in whatever process this is; no point's failure gets out."""
-    # Imported here: a worker imports JAX when it has work, and the command line does without.
-    from . import _batch, _single
-
     logging.getLogger("jax").setLevel(logging.WARNING)
     keep_compiled_programs()
     began = time.perf_counter()
-    way = _batch if task.experiment.config.varies() else _single
+    # Imported here: the command line does without JAX and matplotlib, and a worker without one of them.
+    if task.experiment.config.varies():
+        from . import _batch as way
+    else:
+        from . import _single as way
     columns, reasons, notes = way.compute(task)
     return Outcome(task.start, task.stop, columns, reasons, time.perf_counter() - began, notes)
 
