@@ -57,6 +57,12 @@ EXPERIMENTS = (
         "experiments.measured_sea",
     ),
     Experiment(
+        "sea_states",
+        "whitecaps at one wind: against swell from any side, and against the age of the wind sea",
+        schema.SeaStatesConfig,
+        "experiments.sea_states",
+    ),
+    Experiment(
         "ship_records",
         "wind sea and swell from what ships report, and their whitecaps beside empirical laws",
         schema.ShipRecordsConfig,

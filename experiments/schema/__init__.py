@@ -35,6 +35,7 @@ from ._sea import breaking_wavenumber_key as breaking_wavenumber_key
 from ._sea import check_choppiness as check_choppiness
 from ._sea import choppiness_key as choppiness_key
 from ._sea import threshold_key as threshold_key
+from ._sea_states import SeaStatesConfig as SeaStatesConfig
 from ._ships import ShipRecordsConfig as ShipRecordsConfig
 from ._ships import ShipSwellConfig as ShipSwellConfig
 from ._spectra import CosineSpreading as CosineSpreading
