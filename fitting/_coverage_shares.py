@@ -70,8 +70,8 @@ class CoverageProbability:
         levels = [2 * normal.cdf(abs(float(pull))) - 1 for pull in pulls[self.converged].ravel()]
         return np.reshape(levels, (-1, len(self.labels)))
 
-    def share(self, method: str, label: str, level: float = 0.9) -> Share:
-        """How many intervals of this level contain the truth of one number.
+    def share(self, method: str, label: str, level: float = 0.9, first: int | None = None) -> Share:
+        """How many intervals of this level contain the truth of one number, of all data sets or the `first` ones.
 
         **Raises:** `ValueError` for an unknown method or label, and a level outside (0, 1).
         """
@@ -79,7 +79,7 @@ class CoverageProbability:
         if label not in self.labels:
             known = ", ".join(f"`{one}`" for one in self.labels)
             raise ValueError(f"Argument `label` must be one of {known}, but is {label!r}.")
-        reached = self.probability(method)[:, self.labels.index(label)]
+        reached = self.probability(method)[:first, self.labels.index(label)]
         return binomial_share(int(np.sum(reached <= level)), reached.size)
 
 

@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -104,22 +103,22 @@ def shrink(problem: Problem, line: Float[Array, " p"]) -> tuple[Float[Array, " p
     return jnp.concatenate([v.ravel() for v in values]), jnp.concatenate([s.ravel() for s in slopes])
 
 
-def information(problem: Problem, states: Any, values: Float[Array, " p"]) -> Float[Array, "p p"]:
-    """What data and priors tell about the free numbers: JᵀJ, and 2n/σ² of a fitted scatter."""
+def information(
+    problem: Problem, values: Float[Array, " p"], jacobian: Float[Array, "r p"]
+) -> Float[Array, "p p"]:
+    """What data and priors tell about the free numbers: JᵀJ, and 2n/σ² of a fitted scatter.
 
-    def residuals(values):
-        predictions = problem.predictions(values, states)
-        return jnp.concatenate([problem.data_residuals(predictions), problem.prior_residuals(values)])
-
-    jacobian = jax.jacfwd(residuals)(values)
+    **Arguments:** `jacobian` of the problem's residuals in the free numbers at `values`.
+    """
+    rows = jacobian[: problem.data_size + problem.prior_size]
     scatter = jnp.concatenate(
         [
             2 * problem.scatter_size(slot) / part.ravel() ** 2 if slot.is_scatter else jnp.zeros(slot.size)
             for slot, part in zip(problem.slots, split(problem.slots, values), strict=True)
         ]
     )
-    jacobian = jnp.where(scatter > 0, 0.0, jacobian)
-    return jacobian.T @ jacobian + jnp.diag(scatter)
+    rows = jnp.where(scatter > 0, 0.0, rows)
+    return rows.T @ rows + jnp.diag(scatter)
 
 
 @eqx.filter_jit

@@ -9,20 +9,25 @@ import optimistix as optx
 from jaxtyping import Array, Bool, Float
 
 from ._problem import Problem
-from ._solvers import AbstractSolver
+from ._solvers import AbstractSolver, LevenbergMarquardt
 
 GAIN = 1e-6
-"""A minimum is reached where another step would lower the cost by less."""
+"""Where another step would lower the cost by less, a minimum is reached whatever the solver says."""
 
 SINGULAR = 1e-10
 """Added to a scaled curvature, so that numbers that cannot be separated make no equation singular."""
 
 
+SOLVER = LevenbergMarquardt(rtol=1e-6, atol=1e-6, steps=64)
+"""Many minima are sought at once, all as slow as the slowest; from nearby starts few steps are enough."""
+
+
 class Minimum(NamedTuple):
-    """Where the cost is least, and whether it is one."""
+    """Where the cost is least, the residuals' Jacobian in the numbers themselves, and whether it is a minimum."""
 
     values: Float[Array, " p"]
     cost: Float[Array, ""]
+    jacobian: Float[Array, "r p"]
     converged: Bool[Array, ""]
 
 
@@ -52,10 +57,18 @@ def minimise(
     solution = optx.least_squares(
         residuals, solver.build(), origin, args=args, max_steps=solver.steps, throw=False
     )
-    jacobian, rows = jax.jacfwd(lambda free: (residuals(free, args),) * 2, has_aux=True)(solution.value)
+    inside = values(problem, solution.value, start, held)
+
+    def look(inside):
+        rows = problem.residuals(inside, problem.predictions(inside, states))
+        return rows, rows
+
+    jacobian, rows = jax.jacfwd(look, has_aux=True)(inside)
     cost = 0.5 * jnp.sum(rows**2)
-    converged = jnp.isfinite(cost) & (_still_to_gain(jacobian, rows) < GAIN)
-    return Minimum(values(problem, solution.value, start, held), cost, converged)
+    _, slope = jax.jvp(problem.constrain, (solution.value,), (jnp.ones_like(origin),))
+    settled = solution.result == optx.RESULTS.successful
+    gain = _still_to_gain(jnp.where(held, 0.0, jacobian * slope), rows)
+    return Minimum(inside, cost, jacobian, jnp.isfinite(cost) & (settled | (gain < GAIN)))
 
 
 def _still_to_gain(jacobian: Float[Array, "r p"], rows: Float[Array, " r"]) -> Float[Array, ""]:

@@ -3,6 +3,7 @@
 import importlib
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray, PyTree, UInt32
 
-from ._density import LogPosterior, information, whiten
+from ._density import LogPosterior, whiten
 from ._fit import Free, Targets
 from ._nuts import Block, require_blackjax, run_chains
 from ._posed import pose
@@ -66,7 +67,8 @@ def posterior(
     posed = pose(model, free, targets, priors, solver)
     began = time.perf_counter()
     with jax.enable_x64(True):
-        density = around(posed.problem, posed.states, posed.values)
+        known = jnp.asarray(np.linalg.inv(posed.fit.covariance))
+        density = around(posed.problem, posed.states, posed.values, known)
         keys = jax.random.split(jax.random.key(0) if key is None else key, chains)
         blocks = run_chains([density] * chains, list(keys), warmup, draws, acceptance)
     block: Block = jax.tree.map(lambda *parts: np.stack(parts), *blocks)
@@ -75,9 +77,11 @@ def posterior(
 
 
 @eqx.filter_jit
-def around(problem: Problem, states, values: Float[Array, " p"]) -> LogPosterior:
-    """The density in units of the errors at a solution."""
-    return whiten(problem, states, values, information(problem, states, values))
+def around(
+    problem: Problem, states: Any, values: Float[Array, " p"], known: Float[Array, "p p"]
+) -> LogPosterior:
+    """The density in units of the errors at a solution whose inverse covariance is known."""
+    return whiten(problem, states, values, known)
 
 
 def _report(problem: Problem, fit, block: Block, seconds: float) -> Posterior:

@@ -14,13 +14,13 @@ from jaxtyping import Array, Bool, Float, Int, PyTree
 from ._bounds import AbstractBounds, Real
 from ._errors import FitError
 from ._fit import Free, Targets
-from ._minimise import Minimum, minimise
+from ._minimise import SOLVER, Minimum, minimise
 from ._posed import lay_out, pose, slot_labels
 from ._posterior_result import check_level
 from ._priors import AbstractPrior
 from ._problem import Problem
 from ._result import Fit
-from ._solvers import AbstractSolver, LevenbergMarquardt
+from ._solvers import AbstractSolver
 from ._target import Numbers, as_row
 
 REACH = 4.0
@@ -169,7 +169,6 @@ def profile(
     """
     if points < 5:
         raise ValueError(f"Argument `points` must be at least 5, but is {points}.")
-    solver = LevenbergMarquardt() if solver is None else solver
     problem, states, found, values, stopped = _begin(model, free, targets, priors, solver, grid)
     labels = slot_labels(problem)
     if parameter not in labels:
@@ -189,7 +188,7 @@ def profile(
                 jnp.asarray(index),
                 jnp.asarray(order),
                 jnp.asarray(turn),
-                solver,
+                SOLVER if solver is None else solver,
             )
         )
     unit = [slot.unit for slot in problem.slots for _ in range(slot.size)][index]
