@@ -96,9 +96,10 @@ def _columns(found: Sequence[Mapping[str, np.ndarray]]) -> tuple[dict[str, Colum
         filled = np.full((len(found), *shape), np.nan)
         for i, values in kept.items():
             filled[(i, *map(slice, values.shape))] = values
-        columns[_name(path)] = Column(
-            filled, Quantity(unit_of_name(_name(path)), path, may_be_undefined=True)
-        )
+        name, quantity = _name(path), Quantity(unit_of_name(_name(path)), path, may_be_undefined=True)
+        while name in columns:
+            name += "_"  # two paths that differ in punctuation only
+        columns[name] = Column(filled, quantity)
         if len(kept) < len(at):
             notes.append(f"`{_name(path)}` {KINDS_DIFFER}")
     return columns, tuple(notes)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from experiments.sweeps import find_finished, meter
 from experiments.sweeps._executors import Inline
 from experiments.sweeps._export import _rows
 from experiments.sweeps._meter import clock, in_words, speed
+from experiments.sweeps._single import _columns
 
 
 @pytest.fixture(scope="module")
@@ -203,6 +205,39 @@ def test_designs_that_are_no_grid_lie_along_points(tmp_path, kind):
     else:
         assert data["y"].values.tolist() == ["1", "1", "[2.0,1.0]"]
         np.testing.assert_allclose(data["result"], [1.25, 7.25, 5.25])
+
+
+def test_netcdf_files_of_grids_lists_and_draws_pass_the_cf_checker(grid, tmp_path):
+    folder, values, _ = grid
+    plans = [
+        plan(folder, "runs", *values),
+        plan(tmp_path, "batch", "x=0.5,2.5,1.5", "y=1,1,[2.0,1.0]", kind="zip"),
+        plan(tmp_path, "batch", "x=-101:2", "y=1:4", kind="random", points=20),
+    ]
+    for each in plans[1:]:
+        compute(each)
+    checker = Path(sys.executable).parent / "compliance-checker"
+    checked = subprocess.run(
+        [checker, "-t", "cf:1.11", *(each.folder / "results.nc" for each in plans)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    assert checked.stdout.count("All tests passed!") == 3
+
+
+def test_numbers_whose_names_differ_in_punctuation_only_are_both_kept():
+    columns, notes = _columns(
+        [{"a.b": np.asarray(1.0), "a b": np.asarray(2.0)}, {"c": np.zeros(2), "d": np.ones(2)}]
+    )
+    assert {name: column.values[0].tolist() for name, column in columns.items() if name[0] == "a"} == {
+        "a_b": 1,
+        "a_b_": 2,
+    }
+    assert not notes
+    _, notes = _columns([{"a": np.asarray(1.0)}, {"a": np.zeros(2)}])
+    assert "number at some points and a list at others" in notes[0]
 
 
 def test_chunks_do_not_change_the_numbers(tmp_path, monkeypatch):
