@@ -1,6 +1,7 @@
 """Data files of closures in footprints."""
 
 import numpy as np
+import xarray as xr
 
 from . import _normality, schema
 from ._files import Files, variable
@@ -24,8 +25,7 @@ def save(store: Files, found: Found, config: schema.FootprintBiasConfig) -> None
     )
     level = variable("threshold", list(found.thresholds), units="1", long_name="breaking threshold")
     length = variable("size", found.tile.lengths, units="m", long_name="side of the footprint")
-    names = variable("closure", list(CLOSURES), units="1", long_name="closure")
-    del names.attrs["units"]  # a name has none
+    names = _names("closure", CLOSURES)
     seed = variable("realisation", np.arange(config.realisations), units="1", long_name="number of the sea")
     errors = [[sea.errors[i] for i in range(config.realisations)] for sea in seas]
     axes = ("wind", "realisation", "closure", "threshold", "size")
@@ -60,8 +60,7 @@ def save(store: Files, found: Found, config: schema.FootprintBiasConfig) -> None
         attributes=attributes,
     )
     sides = np.asarray(_normality.sizes(found.tile)) * found.tile.spacing
-    quantity = variable("quantity", list(_normality.QUANTITIES), units="1", long_name="quantity")
-    del quantity.attrs["units"]
+    quantity = _names("quantity", _normality.QUANTITIES)
     shapes = np.stack([sea.shapes for sea in seas])
     store.data(
         "normality",
@@ -82,3 +81,10 @@ def save(store: Files, found: Found, config: schema.FootprintBiasConfig) -> None
         title="Distance of slopes and Jacobian from the normal distribution inside footprints",
         attributes=attributes,
     )
+
+
+def _names(what: str, names: tuple[str, ...]) -> xr.Variable:
+    """Numbers that stand for names, as CF has it."""
+    numbers = np.arange(len(names), dtype=np.int32)
+    meanings = " ".join(name.replace(" ", "_") for name in names)
+    return variable(what, numbers, units="1", long_name=what, flag_values=numbers, flag_meanings=meanings)
