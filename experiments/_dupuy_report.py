@@ -194,7 +194,8 @@ def _reading(definitions: Mapping) -> str:
     listed = ", ".join(f"{name} {100 * distance(each):.2g} %" for name, each in definitions.items())
     return (
         f"The known figures of scene 1 belong to the program's own sea: γ with {best}, variance twice the spectrum's, "
-        f"and the program's variance in the Gaussian formula. Farthest of the five figures from the known ones: {listed}."
+        "and the program's variance in the Gaussian formula. "
+        f"Farthest of the five figures from the known ones: {listed}."
     )
 
 

@@ -27,8 +27,8 @@ OTHER_TAILS = (-5.0, -4.0)
 LARGE = 10_000_000
 """Size [bytes] of a file of which only one is kept in memory."""
 
-BATCH = 64
-"""Records that are integrated together: as fast as more of them, in bounded memory."""
+BATCH = 32
+"""Records that are integrated together, in bounded memory; fewer are filled up, so that all share one program."""
 
 
 class SeaNumbers(NamedTuple):
@@ -165,8 +165,7 @@ def _integrate(
     limit = None if config.breaking_wavenumber is None else np.asarray(config.breaking_wavenumber)
     for same in kinds.values():
         for batch in _batches(same):
-            # The last one is filled up, so that all batches share one program.
-            filled = [batch[min(i, len(batch) - 1)][1] for i in range(1 if len(same) == 1 else BATCH)]
+            filled = [batch[min(i, len(batch) - 1)][1] for i in range(BATCH)]
             stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *filled)
             out = _numbers(stacked, epsilon, np.asarray(config.choppiness), limit, config.band)
             host = jax.tree.map(np.asarray, out)
@@ -181,30 +180,36 @@ def _batches(items: Sequence[Any]) -> Iterator[Sequence[Any]]:
 
 @eqx.filter_jit
 def _numbers(stacked, thresholds, choppiness, breaking_wavenumber, band) -> SeaNumbers:
-    projected = jo.whitecaps.ExactClosure("projected")
+    projected, rest = jo.whitecaps.ExactClosure("projected"), jo.whitecaps.ExactClosure("rest")
 
     def statistics(spectrum: MeasuredSpectrum) -> jo.whitecaps.StrainStatistics:
         return jo.whitecaps.strain_statistics(
             spectrum, choppiness, band=band, breaking_wavenumber=breaking_wavenumber
         )
 
-    def with_tail(spectrum: MeasuredSpectrum, tail: tails.AbstractTail) -> MeasuredSpectrum:
-        return eqx.tree_at(lambda s: s.tail, spectrum, tail)
-
     def one(spectrum: MeasuredSpectrum) -> SeaNumbers:
+        def with_tail(tail: tails.AbstractTail) -> MeasuredSpectrum:
+            return eqx.tree_at(lambda s: s.tail, spectrum, tail)
+
         stats = statistics(spectrum)
-        without_tail = with_tail(spectrum, tails.NoTail())
+        others = jax.vmap(lambda n: statistics(with_tail(tails.PowerTail(n))).covariance)(
+            jnp.asarray(OTHER_TAILS)
+        )
+        # One closure for all: this sea at three ε, the others at the middle one.
+        covariance = jnp.concatenate([jnp.broadcast_to(stats.covariance, (3, 3, 3)), others])
+        together = jo.whitecaps.StrainStatistics(jnp.zeros_like(covariance[:, 0]), covariance)
+        coverage = projected(
+            together, jnp.append(thresholds, jnp.broadcast_to(thresholds[1], len(OTHER_TAILS)))
+        )
         return SeaNumbers(
             wave_height=jo.spectra.significant_wave_height(spectrum, band=band),
             peak_period=jo.spectra.peak_period(spectrum),
             mean_square_slope=jo.spectra.mean_square_slope(spectrum, band=band),
-            measured_slope=jo.spectra.mean_square_slope(without_tail, band=band),
+            measured_slope=jo.spectra.mean_square_slope(with_tail(tails.NoTail()), band=band),
             cut_off=spectrum.cut_off(),
-            projected=jax.vmap(lambda epsilon: projected(stats, epsilon))(jnp.asarray(thresholds)),
-            rest=jo.whitecaps.ExactClosure("rest")(stats, thresholds[1]),
-            other_tails=jax.vmap(
-                lambda n: projected(statistics(with_tail(spectrum, tails.PowerTail(n))), thresholds[1])
-            )(jnp.asarray(OTHER_TAILS)),
+            projected=coverage[:3],
+            rest=rest(stats, thresholds[1]),
+            other_tails=coverage[3:],
             energy=jo.spectra.frequency_spectrum(spectrum, jnp.asarray(FREQUENCIES)),
         )
 

@@ -153,10 +153,10 @@ def _program(config: schema.ShipRecordsConfig) -> Callable[..., Sea]:
     found_laws = [_build.law(name) for name in config.laws]
     drag = _build.drag(config.drag)
 
-    def statistics_of(spectrum: jo.spectra.AbstractSpectrum) -> jo.whitecaps.StrainStatistics:
+    def covariance(spectrum: jo.spectra.AbstractSpectrum) -> jax.Array:
         return jo.whitecaps.strain_statistics(
             spectrum, config.choppiness, band=config.band, breaking_wavenumber=limit
-        )
+        ).covariance
 
     def one(speed, wave_height, peak_speed, warmer) -> Sea:
         # Towards +x, whatever its direction was: only the angle to the swell counts.
@@ -170,23 +170,35 @@ def _program(config: schema.ShipRecordsConfig) -> Callable[..., Sea]:
             swell_spreading=_build.spreading(config.swell.spreading, wind),
             band=config.band,
         )
-        across = eqx.tree_at(lambda p: p.swell.direction, parts, parts.swell.direction + 0.5 * jnp.pi)
-        stats = statistics_of(parts.spectrum())
-        oldest = jnp.clip(wind.speed / peak_speed, wind.inverse_wave_age(), jo.spectra.YOUNGEST)
-        full = jo.spectra.Elfouhaily(wind, oldest)
-        share = jnp.minimum(1.0, wave_height**2 / 16 / jo.spectra.height_variance(full, band=config.band))
+        oldest = jnp.clip(speed / peak_speed, wind.inverse_wave_age(), jo.spectra.YOUNGEST)
+
+        def wind_sea(omega):
+            sea = jo.spectra.Elfouhaily(wind, omega)
+            share = wave_height**2 / 16 / jo.spectra.height_variance(sea, band=config.band)
+            return jnp.minimum(share, 1.0) * covariance(sea), share
+
+        def swell(angle):
+            return covariance(eqx.tree_at(lambda s: s.direction, parts.swell, parts.swell.direction + angle))
+
+        # Independent waves: their covariances add. One closure for all seas, at the middle ε but for the first three.
+        (alone, scaled), (share, _) = jax.vmap(wind_sea)(jnp.stack([parts.inverse_wave_age, oldest]))
+        along, across = jax.vmap(swell)(jnp.asarray([0.0, 0.5 * jnp.pi]))
+        seas = jnp.stack([alone + along, alone + along, alone + along, alone, alone + across, scaled])
+        stats = jo.whitecaps.StrainStatistics(jnp.zeros_like(seas[:, 0]), seas)
+        coverage = projected(stats, jnp.append(thresholds, jnp.broadcast_to(thresholds[1], 3)))
+        both = jo.whitecaps.StrainStatistics(jnp.zeros(3), alone + along)
         return Sea(
-            wind_speed=wind.speed,
+            wind_speed=speed,
             inverse_wave_age=parts.inverse_wave_age,
             younger=parts.younger,
-            wind_sea_height=jo.spectra.significant_wave_height(parts.wind_sea, band=config.band),
+            wind_sea_height=wave_height / jnp.sqrt(jnp.maximum(share, 1.0)),
             swell_height=parts.swell.significant_wave_height,
             swell_period=parts.swell.peak_period,
-            projected=jax.vmap(lambda epsilon: projected(stats, epsilon))(thresholds),
-            rest=rest(stats, thresholds[1]),
-            without_swell=projected(statistics_of(parts.wind_sea), thresholds[1]),
-            swell_across=projected(statistics_of(across.spectrum()), thresholds[1]),
-            scaled=projected(statistics_of(share * full), thresholds[1]),
+            projected=coverage[:3],
+            rest=rest(both, thresholds[1]),
+            without_swell=coverage[3],
+            swell_across=coverage[4],
+            scaled=coverage[5],
             laws=jnp.stack([law.coverage(wind) for law in found_laws]),
         )
 

@@ -73,7 +73,7 @@ def run_chains(
     def one(density: LogPosterior, key: Any) -> Block:
         # The precision belongs to a thread.
         with jax.enable_x64(True):
-            block = _run(density, key, warmup, draws, acceptance)
+            block = _run(density, key, warmup, draws, jnp.asarray(acceptance, jnp.float64))
         if advance is not None:
             advance()
         return block
@@ -83,7 +83,7 @@ def run_chains(
         return [first, *pool.map(one, densities[1:], keys[1:])]
 
 
-def _run(density: LogPosterior, key: Any, warmup: int, draws: int, acceptance: float) -> Block:
+def _run(density: LogPosterior, key: Any, warmup: int, draws: int, acceptance: Float[Array, ""]) -> Block:
     begin, draw = jax.random.split(key)
     state, tuning = _adapt(density, begin, acceptance, warmup)
     blocks = []
@@ -94,7 +94,9 @@ def _run(density: LogPosterior, key: Any, warmup: int, draws: int, acceptance: f
 
 
 @eqx.filter_jit
-def _adapt(density: LogPosterior, key: Any, acceptance: float, warmup: int) -> tuple[Any, dict[str, Any]]:
+def _adapt(
+    density: LogPosterior, key: Any, acceptance: Float[Array, ""], warmup: int
+) -> tuple[Any, dict[str, Any]]:
     """Where a chain is after its warm-up, with its step and mass matrix, adapted in windows as Stan does it.
 
     **Source:** Hoffman & Gelman 2014, J. Mach. Learn. Res. 15, 1593-1623.

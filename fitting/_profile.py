@@ -37,7 +37,7 @@ BELOW = 1e-3
 class ProfileInterval:
     """Where twice the cost above the least is below a quantile of χ² with one degree of freedom.
 
-    - `lower`, `upper`: its ends; an end that is `open` was not found: the grid stops there, or the solver did.
+    - `lower`, `upper`: its ends; an end that is `open` was not found: the grid stops there.
     - `pieces`: how many separate intervals the region has; the ends are the outermost.
     """
 
@@ -102,11 +102,10 @@ class Profile:
         inside = np.flatnonzero(root <= limit)
         first, last = int(inside[0]), int(inside[-1])
         pieces = 1 + int(np.sum(np.diff(inside) > 1))
-        lower_open = first == 0 or not known[: np.searchsorted(self.grid, grid[first])].all()
-        upper_open = last == len(grid) - 1 or not known[np.searchsorted(self.grid, grid[last]) :].all()
-        lower = grid[0] if first == 0 else _cross(grid, root, first, first - 1, limit)
-        upper = grid[-1] if last == len(grid) - 1 else _cross(grid, root, last, last + 1, limit)
-        return ProfileInterval(level, float(lower), float(upper), bool(lower_open), bool(upper_open), pieces)
+        lower_open, upper_open = first == 0, last == len(grid) - 1
+        lower = grid[0] if lower_open else _cross(grid, root, first, first - 1, limit)
+        upper = grid[-1] if upper_open else _cross(grid, root, last, last + 1, limit)
+        return ProfileInterval(level, float(lower), float(upper), lower_open, upper_open, pieces)
 
     def as_dict(self, level: float = 0.9) -> dict[str, Any]:
         """Plain numbers, texts and lists."""

@@ -1,7 +1,6 @@
 """Whitecaps: the Jacobian, statistics of the strain, closures and empirical laws."""
 
 from . import foam as foam
-from . import foam as foam
 from . import laws as laws
 from ._closures import AbstractClosure as AbstractClosure
 from ._closures import ExactClosure as ExactClosure
@@ -13,7 +12,6 @@ from ._jacobian import AbstractBreaking as AbstractBreaking
 from ._jacobian import HardBreaking as HardBreaking
 from ._jacobian import SmoothBreaking as SmoothBreaking
 from ._jacobian import jacobian as jacobian
-from ._published_sea import PublishedSea as PublishedSea
 from ._published_sea import PublishedSea as PublishedSea
 from ._realised import realised_coverage as realised_coverage
 from ._statistics import StrainStatistics as StrainStatistics

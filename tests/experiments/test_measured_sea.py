@@ -30,11 +30,7 @@ def result_of(finished) -> dict:
 
 def many(records: int, *, wind: bool = True, source: str = "a model") -> xr.Dataset:
     """A sea that grows record by record, in wavespectra's convention."""
-    one = io.dataset_from_spectrum(
-        jo.spectra.JONSWAP(significant_wave_height=2.0, peak_period=7.0),
-        frequency=tuple(0.05 * 1.12 ** np.arange(24)),
-        directions=12,
-    )
+    one = io.dataset_from_spectrum(jo.spectra.JONSWAP(significant_wave_height=2.0, peak_period=7.0))
     growth = np.linspace(0.3, 1.5, records)
     dataset = one.isel(time=np.zeros(records, int)).copy(deep=True)
     dataset["efth"] = dataset["efth"] * xr.DataArray(growth, dims="time")
@@ -81,7 +77,7 @@ def test_every_record_of_a_file_is_used_unless_it_has_gaps(run, data):
 @pytest.mark.parametrize("i", [0, 70, 148])
 def test_a_record_of_a_batch_agrees_with_the_record_alone(file, data, i):
     record = i if i < 10 else i + 1
-    spectrum = io.read_spectrum(file, record=record, cut_off=0.4, tail_bins=2)
+    spectrum = io.read_spectrum(file, record=record, cut_off=0.4, tail_bins=4)
     stats = jo.whitecaps.strain_statistics(spectrum, 1.0, band=(1e-3, 400.0), breaking_wavenumber=K_B)
     expected = jo.whitecaps.ExactClosure("projected")(stats, jnp.asarray(0.65))
     one = data.isel(time=i)

@@ -50,13 +50,12 @@ def autocovariance(
     folded = jnp.concatenate([marginal[..., :1], positive + negative], axis=-1)
     blocks = -(-distance.shape[0] // BLOCK)
     padded = jnp.pad(jnp.asarray(distance), (0, blocks * BLOCK - distance.shape[0])).reshape(blocks, BLOCK)
-    waves = jnp.arange(half).astype(padded.dtype)
 
     def one(weights: Float[Array, "*field k"], size: float) -> Float[Array, "*field r"]:
         def block(r: Float[Array, " s"]) -> Float[Array, "s *field"]:
-            # Whole turns are taken off before the product with the wave number could lose them.
-            turns = jnp.mod(r / size, 1.0)
-            table = jnp.cos(2 * np.pi * jnp.mod(turns[:, None] * waves, 1.0)).astype(weights.dtype)
+            # Whole turns are taken off before anything is rounded.
+            turns = jnp.mod(r / size, 1.0).astype(weights.dtype)
+            table = _cosines(2 * np.pi * turns, half)
             return jnp.tensordot(table, weights, (1, weights.ndim - 1))
 
         values = jax.lax.map(block, padded)
@@ -64,6 +63,16 @@ def autocovariance(
         return jnp.moveaxis(values[: distance.shape[0]], 0, -1)
 
     return jnp.stack([one(folded[i], size) for i, size in enumerate(cascade.sizes)])
+
+
+def _cosines(angle: Float[Array, " s"], count: int) -> Float[Array, "s k"]:
+    """cos(mθ) for m = 0 … count − 1, from powers of e^{iθ} that double in number: faster than cosines."""
+    step = jax.lax.complex(jnp.cos(angle), jnp.sin(angle))[:, None]
+    powers = jnp.ones_like(step)
+    while powers.shape[1] < count:
+        powers = jnp.concatenate([powers, powers * step], axis=1)
+        step = step * step
+    return powers[:, :count].real
 
 
 def strain_autocovariance(

@@ -15,7 +15,7 @@ USUAL_RESOLUTION, USUAL_PATTERNS = 256, 4
 FEWEST_WAVES = 2.5
 """Fewer wavelengths than that in a pattern, and its lattice hardly knows directions."""
 SLACK = 0.95
-"""Sizes are rounded to primes of four digits and more, at most 34 apart: they stay this far from their limits."""
+"""Primes of four digits and more are at most 34 apart: the steps stay this far below their limit."""
 FARTHEST_PEAK = 1 / 8
 """The peak stays below a quarter of the largest pattern's Nyquist wavenumber: N/8 peak wavelengths fit into it."""
 NARROWEST = 1.5
@@ -84,7 +84,7 @@ def recommend_cascade(
                 f"of {smallest:g} m, but is {n}."
             )
     largest = max(largest, min(_reach(smallest, n, count, m), FARTHEST_PEAK * n * longest))
-    least = min(SLACK * 0.5 * n * smallest, largest / NARROWEST ** (count - 1))
+    least = min(0.5 * n * smallest, largest / NARROWEST ** (count - 1))
     return Cascade(spread_sizes(largest, least, count), n)
 
 
@@ -102,15 +102,13 @@ def spread_sizes(largest: float | int, smallest: float | int, count: int) -> tup
             f"Arguments `largest`, `smallest` and `count` must be lengths of one or more falling sizes, but are "
             f"{largest:g} m, {smallest:g} m and {count}."
         )
-    exponent = math.floor(math.log10(smallest)) - 3
-    unit = Fraction(10) ** exponent
+    unit = Fraction(10) ** (math.floor(math.log10(smallest)) - 3)
     targets = np.geomspace(largest, smallest, count) / float(unit)
     primes = [_prime(math.ceil(targets[0] - 1e-9), 1)]
-    for target in targets[1:-1]:
-        primes.append(_prime(round(target), -1))
+    primes += [_prime(round(target), -1) for target in targets[1:-1]]
     if count > 1:
         primes.append(_prime(math.floor(targets[-1] + 1e-9), -1))
-    if len(set(primes)) < count:
+    if primes != sorted(set(primes), reverse=True):
         raise ValueError(
             f"Argument `count` must leave room between the sizes, but {count} do not fit between {largest:g} and "
             f"{smallest:g} m."

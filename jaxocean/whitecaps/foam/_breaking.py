@@ -38,20 +38,20 @@ class PointBreaking(eqx.Module):
     - `recurrence`: κ(t) = P(breaks at t | breaks at 0) [-] at the lags; None where it is not asked for.
     """
 
-    rest: Scalar
-    projected: Scalar
-    rate: Scalar
-    lags: Float[Array, " lag"] | None = None
-    weights: Float[Array, " lag"] | None = None
-    recurrence: Float[Array, " lag"] | None = None
+    rest: Float[Array, "*b"]
+    projected: Float[Array, "*b"]
+    rate: Float[Array, "*b"]
+    lags: Float[Array, "*b lag"] | None = None
+    weights: Float[Array, "*b lag"] | None = None
+    recurrence: Float[Array, "*b lag"] | None = None
 
     @property
-    def duration(self) -> Scalar:
+    def duration(self) -> Float[Array, "*b"]:
         """How long a point breaks on the average, W_rest/ν [s]: short against the life of a breaker, which moves on."""
         return self.rest / self.rate
 
     @property
-    def interval(self) -> Scalar:
+    def interval(self) -> Float[Array, "*b"]:
         """How long a point waits on the average from one breaker's end to the next one's start [s]."""
         return (1 - self.rest) / self.rate
 

@@ -106,7 +106,9 @@ def test_both_closures_agree_with_foam_on_a_tile(point):
     mean = foam.Coverage(*seen.mean(axis=0).tolist())
     error = foam.Coverage(*(seen.std(axis=0, ddof=1) / np.sqrt(len(seen))).tolist())
     assert float(point.rest) == pytest.approx(mean.active_rest, abs=3 * float(error.active_rest))
-    assert float(point.projected) == pytest.approx(mean.active_projected, abs=3 * float(error.active_projected))
+    assert float(point.projected) == pytest.approx(
+        mean.active_projected, abs=3 * float(error.active_projected)
+    )
     assert float(point.rate) == pytest.approx(mean.birth_rate, abs=3 * float(error.birth_rate))
     # Coverage that decays follows the births of these very seas: their common scatter is divided out.
     factor = float(mean.birth_rate / point.rate)
