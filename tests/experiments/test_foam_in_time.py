@@ -111,7 +111,8 @@ def test_data_and_pictures_are_complete(finished):
             data["coverage"].values[white], np.exp(-data["age"].values[white] / 0.8), rtol=1e-4
         )
     for name in ("foam_in_time", "foam_map"):
-        assert min(Image.open(finished.folder / f"{name}.png").size) > 700
+        with Image.open(finished.folder / f"{name}.png") as picture:
+            assert min(picture.size) > 700
 
 
 def test_an_event_is_followed_through_space_time_and_across_the_edge():
