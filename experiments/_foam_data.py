@@ -17,7 +17,7 @@ def save(store: Files, view: View) -> None:
         "total_rest": "total whitecap coverage of the rest area",
         "total_projected": "total whitecap coverage of the projected area",
     }
-    dimensions = ("wind", "sea", "time")
+    dimensions = ("wind", "sea", "elapsed")
     variables = {
         name: variable(dimensions, series[..., FIELDS.index(name)], units="1", long_name=text)
         for name, text in long_names.items()
@@ -70,8 +70,8 @@ def save(store: Files, view: View) -> None:
             "wind", np.asarray(config.wind.speed), units="m s-1", long_name="U10", standard_name="wind_speed"
         ),
         "sea": variable("sea", np.arange(config.seas), units="1", long_name="number of the realisation"),
-        "time": variable(
-            "time",
+        "elapsed": variable(
+            "elapsed",
             config.step * np.arange(1, series.shape[2] + 1),
             units="s",
             long_name="time since there was no foam",

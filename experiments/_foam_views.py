@@ -100,9 +100,15 @@ def _draw_coverage(axes: Axes, view: View) -> None:
     tau = calibration.used[1]
     names = [_build.law(name).name for name in (view.config.total_law, view.config.active_law)]
     handles = [
-        Line2D([], [], color=_plots.BLUE, marker="o", label=f"total, renewal foam, τ = {tau:.2f} s; tile"),
+        Line2D(
+            [],
+            [],
+            color=_plots.BLUE,
+            marker="o",
+            label=f"total, renewal foam, τ = {tau:.2f} s; tile ± 2 s.e.",
+        ),
         Line2D([], [], color=_plots.SKY, linestyle="--", linewidth=1.3, label="total, Poisson foam"),
-        Line2D([], [], color=_plots.VERMILION, marker="s", label="active, exact closure; tile"),
+        Line2D([], [], color=_plots.VERMILION, marker="s", label="active, exact closure; tile ± 2 s.e."),
         Line2D([], [], label=f"laws: {names[0]}\nand {names[1]}", **law),
     ]
     axes.legend(handles=handles, loc="lower right", fontsize=8.5)
@@ -131,7 +137,7 @@ def _draw_errors(axes: Axes, view: View, colours: Any) -> None:
         Line2D([], [], label="Poisson foam", **dark, **OPEN),
     ]
     axes.legend(handles=[*ways, *winds], ncols=2, loc="best")
-    axes.set_title("(c) Error of total coverage without a tile")
+    axes.set_title("(c) Error without a tile, ± 2 standard errors")
 
 
 def _draw_durations(axes: Axes, view: View) -> None:

@@ -95,10 +95,10 @@ def test_the_report_answers_in_words_and_says_that_events_are_missing(finished):
 @pytest.mark.slow
 def test_data_and_pictures_are_complete(finished):
     with xr.open_dataset(finished.folder / "foam_in_time.nc") as data:
-        assert data["total_projected"].dims == ("wind", "sea", "time")
+        assert data["total_projected"].dims == ("wind", "sea", "elapsed")
         assert data.attrs["threshold"] == pytest.approx(0.7)
-        settled = data["time"] > data.attrs["spin_up_s"]
-        mean = data["total_rest"].where(settled).mean(("sea", "time"))
+        settled = data["elapsed"] > data.attrs["spin_up_s"]
+        mean = data["total_rest"].where(settled).mean(("sea", "elapsed"))
         np.testing.assert_allclose(mean, result_of(finished)["tile"]["total_rest"]["mean"], rtol=1e-5)
         assert data.attrs["spin_up_s"] >= 5 * 0.8
         # The age counts the same foam as the state does.
