@@ -240,10 +240,8 @@ def test_a_key_that_only_some_families_have_is_refused_at_the_points_of_the_othe
         plan.points.load(plan.points.codes(0))
 
 
-def test_a_published_variance_that_is_negative_is_no_failure(tmp_path):
-    small = ("cascade.sizes=[200.0,20.0]", "cascade.resolution=64")
-    data = compute(sweep(tmp_path, *small, "choppiness=[1.0,1.0],[1.0,0.5],[1.0,1.0,1.0]"))
-    assert data["done"].values.tolist() == [1, 1, 0]
-    assert np.isnan(data["coverage_published"].values).all()
-    assert data["jacobian_variance"].values[1] < data["jacobian_variance"].values[0]
-    assert "one per pattern (2" in str(data["reason"].values[2])
+def test_choppinesses_that_do_not_fit_the_patterns_are_refused_at_their_points(tmp_path):
+    plan = sweep(tmp_path, "choppiness=1,[1,1],[1.0,1.0,1.0,0.5]")
+    assert plan.points.load(plan.points.codes(2)).config.choppiness == (1.0, 1.0, 1.0, 0.5)
+    with pytest.raises(UserError, match=r"one per pattern \(4"):
+        plan.points.load(plan.points.codes(1))
