@@ -44,8 +44,8 @@ def tables(
     ]
     return (
         Table(
-            f"Predicted coverage at ε = {config.threshold:g}, projected area, and laws; {share} intervals",
-            (*columns, "rank correlation (Spearman)", "log10(W/W_law)"),
+            f"Predicted coverage at ε = {config.threshold:g}, projected area, and laws; Spearman's ranks, {share}",
+            (*columns, "rank correlation", "log10(W/W_law)"),
             rows,
         ),
         Table(
