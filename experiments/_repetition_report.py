@@ -134,11 +134,15 @@ def _foam(every: list[Repetition], paper: Repetition) -> str:
     seen = [one for one in [*every, paper] if one.coverage > 0]
     if not seen:
         return "Nothing breaks at this threshold: the foam that comes again cannot be told."
-    listed = ", ".join(f"{100 * one.again[0]:.2g} % ({one.name})" for one in seen)
+    listed = ", ".join(f"{_percent(one.again[0])} ({one.name})" for one in seen)
     return (
         f"Foam repeats less than j. Of the foam at one point, so much is foam again where j repeats most: {listed}; by "
         f"chance it would be {100 * paper.coverage:.2g} %."
     )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
 
 
 def _coprime(found: list[Repetition], commensurate: Repetition) -> str:

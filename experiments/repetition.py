@@ -68,14 +68,14 @@ def _cascades(
     cascades["commensurate"] = jo.surface.Cascade(config.commensurate, n)
     peak = float(_elfouhaily(spectrum).peak_wavenumber())
     cascades["recommended"] = jo.surface.recommend_cascade(
-        peak_wavenumber=peak, smallest_scale=2 * config.spacing, waves=config.waves
+        peak_wavenumber=peak, smallest_scale=2 * config.spacing, resolution=n, waves=config.waves
     )
     cascades["peak shared"] = _shared(cascades["recommended"], spectrum)
-    middle = jo.surface.spread_sizes(config.largest, config.spacing * 256, 4)
+    middle = jo.surface.spread_sizes(config.largest, config.spacing * n, 4)
     noise = np.random.default_rng(config.seed).uniform(-SPREAD, SPREAD, (config.others, 4))
     for i, one in enumerate(noise):
         sizes = [float(f"{size * (1 + x):.2f}") for size, x in zip(middle, one, strict=True)]
-        cascades[f"random {i + 1}"] = jo.surface.Cascade(sizes, 256)
+        cascades[f"random {i + 1}"] = jo.surface.Cascade(sizes, n)
     return cascades
 
 
@@ -98,12 +98,14 @@ def _shared(cascade: jo.surface.Cascade, spectrum: jo.spectra.AbstractSpectrum) 
     sizes, n = cascade.sizes, cascade.resolution
     second = jo.surface.spread_sizes(sizes[0] / 1.3, sizes[0] / 1.3, 1)[0]
     lower, upper = math.pi / sizes[0], math.pi * n / sizes[0]
-    edges = np.geomspace(lower, upper, 200)
     total = float(jo.spectra.height_variance(spectrum, band=(lower, upper)))
-    half = next(
-        k for k in edges[1:] if jo.spectra.height_variance(spectrum, band=(lower, float(k))) > total / 2
-    )
-    bands = [(lower, float(half)), (float(half), math.pi * n / second)]
+    edges = [lower, upper]
+    for _ in range(12):
+        half = math.sqrt(edges[0] * edges[1])
+        below = float(jo.spectra.height_variance(spectrum, band=(lower, half)))
+        edges[int(below > 0.5 * total)] = half
+    half = edges[0]
+    bands = [(lower, half), (half, math.pi * n / second)]
     rest = list(cascade.bands[1:])
     rest[0] = (math.pi * n / second, rest[0][1])
     return jo.surface.Cascade((sizes[0], second, *sizes[1:]), n, bands + rest)

@@ -42,7 +42,7 @@ class RepetitionConfig(ExperimentConfig):
         max_length=16,
     )
     resolution: int = key(
-        256, meaning="grid points per side of these", within="even, 8 to 4096", ge=8, le=4096
+        256, meaning="grid points per side of all but the first", within="even, 8 to 4096", ge=8, le=4096
     )
     others: int = key(
         5, meaning="sets of sizes drawn at random around equal steps: do special sizes matter?", ge=2, le=1000
