@@ -110,12 +110,6 @@ EXPERIMENTS = (
         schema.RepetitionConfig,
         "experiments.repetition",
     ),
-    Experiment(
-        "repetition",
-        "how many patterns a sea needs, lest it repeat visibly: autocorrelation over kilometres, and period",
-        schema.RepetitionConfig,
-        "experiments.repetition",
-    ),
 )
 
 

@@ -27,7 +27,6 @@ from ._measured import NoTailConfig as NoTailConfig
 from ._measured import PowerTailConfig as PowerTailConfig
 from ._measured import RecordChoice as RecordChoice
 from ._repetition import RepetitionConfig as RepetitionConfig
-from ._repetition import RepetitionConfig as RepetitionConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER
 from ._sea import CascadeConfig as CascadeConfig
 from ._sea import Choppiness as Choppiness
