@@ -17,7 +17,7 @@ from ._files import Files, variable
 SYMBOLS = {"threshold": "ε", "choppiness": "λ", "scatter": "σ"}
 COLOURS = {"prior": _plots.BLUE, "weak": _plots.VERMILION, "none": _plots.BLACK, "scatter": _plots.GREEN}
 METHODS = {"laplace": "fit ± error", "profile": "profile", "posterior": "posterior"}
-MARKS = {"laplace": "o", "profile": "s", "posterior": "^"}
+MARKS = {"laplace": "o", "profile": "s"}
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 """Levels of confidence at which intervals are counted."""
 
@@ -56,13 +56,21 @@ class View:
 def plot(store: Files, view: View) -> None:
     """`calibration_uncertainty.png`: two posteriors, error ratios, two profiles, and how often intervals are right."""
     layout = [["strong", "weak", "ratio"], ["threshold", "choppiness", "hits"]]
-    with _plots.mosaic(layout, size=(13.0, 8.4)) as (fig, axes):
+    with _plots.mosaic(layout, size=(13.0, 8.8)) as (fig, axes):
         _plot_cloud(axes["strong"], view, "prior", "(a) Posterior")
         _plot_cloud(axes["weak"], view, "weak", "(b) Posterior, weak prior")
         _plot_ratios(axes["ratio"], view)
         _plot_profile(axes["threshold"], view, "threshold", "(d) Profile of ε")
         _plot_profile(axes["choppiness"], view, "choppiness", "(e) Profile of λ")
         _plot_hits(axes["hits"], view)
+        lines = [
+            *(
+                Line2D([], [], color=COLOURS[kind], label=view.names[kind])
+                for kind in ("prior", "weak", "none")
+            ),
+            Line2D([], [], ls=":", lw=1.3, color=_plots.BLACK, label="as the fit's errors say"),
+        ]
+        fig.legend(handles=lines, loc="outside lower left", ncols=4, title="(d), (e)", title_fontsize=9)
         store.picture("calibration_uncertainty", fig)
 
 
@@ -164,15 +172,9 @@ def _plot_profile(axes: Axes, view: View, name: str, title: str) -> None:
             axes.plot(found.grid, pull**2, ":", color=COLOURS[kind], lw=1.3)
     limit = fitting.profile_limit(view.config.level)
     axes.axhline(limit, color=_plots.GREY, lw=1)
-    axes.text(
-        0.99,
-        limit + 0.1,
-        f"{100 * view.config.level:g} %",
-        color=_plots.GREY,
-        ha="right",
-        transform=axes.get_yaxis_transform(),
-    )
-    axes.plot([], [], ":", color=_plots.GREY, lw=1.3, label="as the fit's errors say")
+    percent = f"{100 * view.config.level:g} %"
+    x, side = (0.01, "left") if name == "threshold" else (0.99, "right")
+    axes.text(x, limit + 0.12, percent, color=_plots.GREY, ha=side, transform=axes.get_yaxis_transform())
     unit = "breaking threshold ε (-)" if name == "threshold" else "choppiness λ (-)"
     axes.set(ylim=(0, HIGHEST), xlabel=unit, ylabel="2 Δcost = −2 Δ log likelihood", title=title)
     shown = [g for kind in ("prior", "weak") for g in view.profiles[kind][name].grid]
@@ -180,7 +182,6 @@ def _plot_profile(axes: Axes, view: View, name: str, title: str) -> None:
     axes.set_xlim(
         max(low, high - 2.5) if name == "threshold" else 0, min(high, 1.0) if name == "threshold" else 3
     )
-    axes.legend(loc="upper left" if name == "threshold" else "upper right")
 
 
 def _plot_hits(axes: Axes, view: View) -> None:
@@ -189,25 +190,28 @@ def _plot_hits(axes: Axes, view: View) -> None:
     total = int(repeated.converged.sum())
     spread = 1.96 * np.sqrt(levels * (1 - levels) / total)
     axes.fill_between(
-        levels, levels - spread, levels + spread, color="#E3E3E3", lw=0, label=f"95 % of chance, {total} sets"
+        levels, levels - spread, levels + spread, color="#E3E3E3", lw=0, label=f"chance (95 %), {total} sets"
     )
     axes.plot([0.4, 1], [0.4, 1], color=_plots.BLACK, lw=1)
-    offset = {"threshold": -0.006, "choppiness": 0.006}
     colours = {"threshold": _plots.BLUE, "choppiness": _plots.ORANGE}
-    for method in repeated.methods:
+    shift = {"threshold": -0.005, "choppiness": 0.005}
+    for method, offset in (("laplace", -0.003), ("profile", 0.003)):
         for name in repeated.labels:
-            shares = [repeated.share(method, name, level) for level in LEVELS]
-            values = np.asarray([share.value for share in shares])
-            x = (
-                np.asarray(LEVELS)
-                + offset[name]
-                + {"laplace": -0.003, "profile": 0.003, "posterior": 0.0}[method]
+            values = [repeated.share(method, name, level).value for level in LEVELS]
+            face = colours[name] if method == "laplace" else "none"
+            x = np.asarray(LEVELS) + shift[name] + offset
+            label = f"{SYMBOLS[name]}: {METHODS[method]}"
+            axes.plot(x, values, MARKS[method], color=colours[name], ms=5, mfc=face, label=label)
+    if len(repeated.ranks):
+        for name in repeated.labels:
+            # Few data sets: their own binomial interval says how little they say.
+            share = repeated.share("posterior", name, view.config.level)
+            bars = [[share.value - share.lower], [share.upper - share.value]]
+            x = view.config.level + 4 * shift[name]
+            label = f"{SYMBOLS[name]}: posterior, {share.total} sets"
+            axes.errorbar(
+                [x], [share.value], bars, fmt="^", color=colours[name], ms=6, capsize=3, lw=1.2, label=label
             )
-            sampled = f", {shares[0].total} sets" if method == "posterior" else ""
-            axes.plot(
-                x, values, MARKS[method], color=colours[name], ms=5, mfc="none" if method != "laplace" else None,
-                label=f"{SYMBOLS[name]}: {METHODS[method]}{sampled}",
-            )  # fmt: skip
     axes.set(xlim=(0.45, 1.0), ylim=(0.3, 1.02), xlabel="level of the intervals (-)")
     axes.set(ylabel="share that contains the truth (-)", title="(f) Do intervals keep their promise?")
     axes.legend(loc="lower right", fontsize=8)

@@ -24,11 +24,17 @@ FIRST_STEP = 0.5
 SPREAD = 1.5
 """Chains start this many times the fit's own errors apart, so that R-hat can see whether they forget it."""
 
+NEARER = 0.7
+"""Each further try for a start is this much nearer to the fit."""
+
+UNLIKELY = 10.0
+"""No chain starts where the log density is this far below that at the fit: far off a bent ridge, in a narrow neck."""
+
 BLOCK = 250
 """Draws of one call: chains of any length are made of such blocks, so that they share a compiled program."""
 
-TRIES = 8
-"""Starting points drawn for each chain; the first at which the density is finite is taken."""
+TRIES = 12
+"""Starting points drawn for each chain; the first that is likely enough is taken."""
 
 
 class Block(NamedTuple):
@@ -134,9 +140,11 @@ def _draw(density: LogPosterior, state: Any, tuning: dict[str, Any], key: Any) -
 
 
 def _start(density: LogPosterior, key: Any) -> Float[Array, " p"]:
-    """A point around the fit where the density is finite; the fit itself where none is."""
+    """A likely point some way off the fit; the fit itself where none is found."""
     size = density.centre.size
-    points = SPREAD * jax.random.normal(key, (TRIES, size), density.centre.dtype)
+    reach = SPREAD * NEARER ** jnp.arange(TRIES, dtype=density.centre.dtype)
+    points = reach[:, None] * jax.random.normal(key, (TRIES, size), density.centre.dtype)
     points = jnp.concatenate([points, jnp.zeros((1, size), points.dtype)])
-    finite = jnp.isfinite(jax.lax.map(density, points))
-    return points[jnp.argmax(finite.at[-1].set(True))]
+    logs = jax.lax.map(density, points)
+    likely = jnp.isfinite(logs) & (logs > logs[-1] - UNLIKELY)
+    return points[jnp.argmax(likely.at[-1].set(True))]

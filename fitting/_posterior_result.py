@@ -17,6 +17,9 @@ AGREE = 1.01
 FEW = 400
 """Effective draws below which quantiles are vague (same source)."""
 
+DISAGREE, TOO_FEW = 1.05, 100
+"""R-hat above and effective draws below which draws are no judge of anything."""
+
 LEANING = 0.02
 """Share of draws at a bound from which on the bound, not the data, shapes the distribution."""
 
@@ -140,7 +143,9 @@ class Posterior:
         return tuple(LaplaceCheck(label, *map(float, numbers)) for label, *numbers in rows)
 
     def verdict(self) -> str:
-        """Whether the fit's own errors describe this posterior, in words."""
+        """Whether the fit's own errors describe this posterior, in words; nothing where the draws are too poor."""
+        if not (np.all(self.r_hat < DISAGREE) and np.all(self.effective_size > TOO_FEW)):
+            return "These draws cannot judge the fit's errors: the chains do not agree, or hardly moved."
         faults = {check.label: check.faults for check in self.laplace() if check.faults}
         if not faults:
             return "The fit's errors describe the posterior: it is Gaussian around the fit, as they assume."

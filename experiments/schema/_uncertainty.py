@@ -69,7 +69,7 @@ class UncertaintyConfig(CalibratedSeaConfig):
     points: int = key(41, meaning="values at which each likelihood is profiled", ge=11, le=1001)
     sets: int = key(1000, meaning="synthetic data sets whose intervals are counted", ge=10, le=100_000)
     sampled: int = key(
-        20, meaning="of these, how many are also sampled; 0 for none", within="≤ sets", ge=0, le=10_000
+        50, meaning="of these, how many are also sampled; 0 for none", within="≤ sets", ge=0, le=10_000
     )
 
     @model_validator(mode="after")

@@ -1,5 +1,6 @@
 """Posteriors against distributions that are known in closed form, and against brute-force quadrature."""
 
+import dataclasses
 import importlib
 
 import equinox as eqx
@@ -107,6 +108,13 @@ def test_verdict_trusts_the_fit_where_the_posterior_is_gaussian_and_names_what_i
     assert "do not describe" in verdict
     assert "factor:" in verdict
     assert "level:" not in verdict
+
+
+def test_draws_that_disagree_pass_no_verdict_on_the_fit(drawn):
+    stuck = dataclasses.replace(drawn, r_hat=np.full(drawn.draws.shape[-1], 1.3))
+    assert "cannot judge" in stuck.verdict()
+    short = dataclasses.replace(drawn, effective_size=np.full(drawn.draws.shape[-1], 12.0))
+    assert "cannot judge" in short.verdict()
 
 
 def test_report_holds_every_number_in_words_and_plain_values(drawn):
