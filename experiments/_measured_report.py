@@ -38,7 +38,7 @@ def _paragraph(station: Station, laws: Mapping[str, np.ndarray], config: schema.
     worst, best = (_percent(float(np.median(n.projected[:, i]))) for i in (0, 2))
     lines = [
         f"## {station.name}\n",
-        f"{station.times.size} records, {_period(station)}Hs {_range(n.wave_height)} m, Tp {_range(n.peak_period)} s. "
+        f"{_count(station)}, {_period(station)}Hs {_range(n.wave_height)} m, Tp {_range(n.peak_period)} s. "
         f"The waves that were measured hold {100 * share:.2g} % of the mean-square slope; the rest is tail.",
         f"Coverage with tail {tail_name(config)}, projected area: median {_percent(middle)}, 5 to 95 % of the records "
         f"{_percent(low)} to {_percent(high)}. The error of ε makes that median {worst} to {best}, a tail between f^-5 "
@@ -67,6 +67,10 @@ def _compare(name: str, law: np.ndarray, predicted: np.ndarray) -> str:
         f"Against {title} at the file's wind, over {both.sum()} records with whitecaps by both, the median of "
         f"log10(W/W_law) is {np.median(ratio):+.2f}."
     )
+
+
+def _count(station: Station) -> str:
+    return "One record" if station.times.size == 1 else f"{station.times.size} records"
 
 
 def _range(values: np.ndarray) -> str:

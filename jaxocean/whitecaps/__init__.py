@@ -7,6 +7,7 @@ from ._closures import ExactClosure as ExactClosure
 from ._closures import GaussianClosure as GaussianClosure
 from ._closures import Measure as Measure
 from ._closures import PublishedClosure as PublishedClosure
+from ._fast_closure import FastClosure as FastClosure
 from ._footprints import footprint_statistics as footprint_statistics
 from ._jacobian import AbstractBreaking as AbstractBreaking
 from ._jacobian import HardBreaking as HardBreaking

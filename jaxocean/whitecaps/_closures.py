@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool, Float
 from .._numerics import as_leaf
 from .._types import FloatLike
 from ._inversion import PartialMoments, partial_moments
-from ._quadratic_form import Form, jacobian_form
+from ._quadratic_form import Form, sound_form
 from ._statistics import StrainStatistics
 
 Measure = Literal["projected", "rest"]
@@ -80,12 +80,10 @@ def _exact_log(
     shape = jnp.broadcast_shapes(mean.shape[:-1], threshold.shape)
     level = jnp.broadcast_to(threshold.astype(dtype), shape)
     mean = jnp.broadcast_to(mean, (*shape, 3))
-    # A sea without strain is replaced by a harmless one, lest its derivatives be NaN. The others get a trace of
-    # isotropic strain, so that rounding does not leave them a negative variance.
-    size = jnp.trace(covariance, axis1=-2, axis2=-1)
-    calm = jnp.broadcast_to(size <= jnp.finfo(dtype).tiny ** 0.5, shape)
-    trace = (jnp.finfo(dtype).eps * size)[..., None, None] * jnp.eye(3, dtype=dtype)
-    form = jacobian_form(mean, jnp.where(calm[..., None, None], jnp.eye(3, dtype=dtype), covariance + trace))
+    # A sea without strain is replaced by a harmless one, lest its derivatives be NaN.
+    calm = jnp.trace(covariance, axis1=-2, axis2=-1) <= jnp.finfo(dtype).tiny ** 0.5
+    covariance = jnp.where(calm[..., None, None], jnp.eye(3, dtype=dtype), covariance)
+    form = sound_form(mean, jnp.broadcast_to(covariance, (*shape, 3, 3)))
     value = _log_rest(form, level) if measure == "rest" else _log_projected(form, level)
     return jnp.where(calm, _log_still(form.n, level, measure), value)
 

@@ -34,8 +34,11 @@ GONE = 0.9
 UNFINISHED = 1e8
 """Weight of the integrand at the end of a contour when contours are compared."""
 
+TURNING = 4.0
+"""A turning of the phase from node to node by 1/4 rad doubles the weight of the integrand in that comparison."""
+
 STRAIGHT = 1.1
-"""Handicap of the straight contour in that comparison."""
+"""Handicap of the straight contour there."""
 
 BISECTIONS = 36
 
@@ -195,7 +198,7 @@ def _contour(form: Form, level: Float[Array, "*b"]) -> Contour:
     trial = Contour(crossing, width, upper, tilt, bend, jnp.full_like(level, REACH))
     spacing = REACH / TRIAL_NODES
     size, turning, reach = _trial(form, level, trial, spacing)
-    turning = jnp.minimum(turning * (2 / NODES) * reach[..., None], 1e6)
+    turning = jnp.minimum(turning * (TURNING / NODES) * reach[..., None], 1e6)
     last = size[..., -1]
     cost = spacing * jnp.sum(size * (1 + turning**4), axis=-1) + UNFINISHED * last
     cost = cost * jnp.asarray([1.0, STRAIGHT, 1.0], level.dtype).reshape(tilt.shape)

@@ -7,9 +7,12 @@ is no special case.
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Inexact
+
+from ._elementary import inverse_root
 
 
 class Form(NamedTuple):
@@ -48,6 +51,51 @@ def jacobian_form(mean: Float[Array, "*b 3"], covariance: Float[Array, "*b 3 3"]
     q1 = 0.5 * (q * ya + p * yb) - r * yc
     q2 = ya * yb - yc**2 - t1 * q1
     return Form(n, t1, t2, t3, q1, q2, n * t3)
+
+
+@jax.custom_jvp
+def sound_form(mean: Float[Array, "*b 3"], covariance: Float[Array, "*b 3 3"]) -> Form:
+    """`jacobian_form` of the nearest sound covariance: as accurate in float32, and never of a negative variance.
+
+    A footprint's covariance is a difference, E[ab] − E[a]E[b], and may have lost its positive eigenvalues to
+    rounding. Its variances are raised to a unit in the last place of their sum and its correlations cut to what they
+    allow, one after the other (a Cholesky decomposition C = LLᵀ). The invariants of LᵀML are those of CM, but keep
+    their sign whatever the rounding. Derivatives are those of `jacobian_form`.
+    """
+    dtype = covariance.dtype
+    p, q, r = 1 + mean[..., 0], 1 + mean[..., 1], mean[..., 2]
+    raw = [covariance[..., i, i] for i in range(3)]
+    floor = jnp.finfo(dtype).eps * jnp.maximum(raw[0] + raw[1] + raw[2], 0.0) + jnp.finfo(dtype).tiny ** 0.5
+    caa, cbb, ccc = (jnp.maximum(variance, 0.0) + floor for variance in raw)
+    inverse_a, b, c = inverse_root(caa), cbb * inverse_root(cbb), ccc * inverse_root(ccc)
+    laa = caa * inverse_a
+    lba = jnp.clip(covariance[..., 0, 1] * inverse_a, -b, b)
+    lca = jnp.clip(covariance[..., 0, 2] * inverse_a, -c, c)
+    rest_b = jnp.maximum(cbb - lba**2, floor)
+    rest_c = jnp.maximum(ccc - lca**2, floor)
+    inverse_b, c = inverse_root(rest_b), rest_c * inverse_root(rest_c)
+    lbb = rest_b * inverse_b
+    lcb = jnp.clip((covariance[..., 1, 2] - lba * lca) * inverse_b, -c, c)
+    rest = jnp.maximum(rest_c - lcb**2, 0.001 * floor)
+    lcc = rest * inverse_root(rest)
+
+    # R = LᵀML and g = LᵀMx.
+    raa, rab, rac = laa * lba - lca**2, 0.5 * laa * lbb - lca * lcb, -lca * lcc
+    rbb, rbc, rcc = -(lcb**2), -lcb * lcc, -rest
+    ga = 0.5 * (laa * q + lba * p) - lca * r
+    gb, gc = 0.5 * lbb * p - lcb * r, -lcc * r
+    t1 = raa + rbb + rcc
+    t2 = raa * (rbb + rcc) - rab**2 - rac**2  # the third minor, rbb·rcc − rbc², is zero
+    t3 = 0.25 * (laa * lbb * lcc) ** 2
+    n = p * q - r**2
+    q1 = ga**2 + gb**2 + gc**2
+    along = ga * (raa * ga + 2 * (rab * gb + rac * gc)) + gb * (rbb * gb + 2 * rbc * gc) + rcc * gc**2
+    return Form(n, t1, t2, t3, q1, along - t1 * q1, n * t3)
+
+
+@sound_form.defjvp
+def _sound_form_jvp(primals, tangents):
+    return sound_form(*primals), jax.jvp(jacobian_form, primals, tangents)[1]
 
 
 def moments(form: Form) -> tuple[Inexact[Array, "*b"], Inexact[Array, "*b"]]:
