@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -31,7 +30,7 @@ def jaxocean(*arguments: str, cwd: Path, **environment: str) -> subprocess.Compl
 @pytest.mark.parametrize(
     "command", [["--help"], ["--version"], ["list"], ["show", "spectrum"], ["run", "--help"]]
 )
-def test_light_commands_import_nothing_heavy_and_take_less_than_a_second(tmp_path, command):
+def test_light_commands_import_nothing_heavy(tmp_path, command):
     program = (
         "import sys\n"
         "from experiments.__main__ import main\n"
@@ -40,23 +39,16 @@ def test_light_commands_import_nothing_heavy_and_take_less_than_a_second(tmp_pat
         "except SystemExit as end:\n    assert not end.code, end.code\n"
         f"print('HEAVY', [name for name in {HEAVY!r} if name in sys.modules])\n"
     )
-    took = []
-    for _ in range(3):  # the best of three: the machine may be busy with something else
-        start = time.perf_counter()
-        done = subprocess.run(
-            [sys.executable, "-W", "error", "-c", program],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(PROJECT)},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        took.append(time.perf_counter() - start)
-        assert done.returncode == 0, done.stderr
-        assert "HEAVY []" in done.stdout
-        if took[-1] < 1.0:
-            break
-    assert min(took) < 1.0, f"{command} took {min(took):.2f} s"
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "HEAVY []" in done.stdout
 
 
 def test_version_is_that_of_the_project(tmp_path):
