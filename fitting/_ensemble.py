@@ -174,7 +174,7 @@ def ensemble(
     found, skipped = [], []
     for law in laws:
         law_coverage = np.asarray(jax.vmap(law.coverage)(batched), float)
-        seen = np.asarray(jax.vmap(law.in_range)(batched)) & (law_coverage >= least) & (law_coverage <= 1)
+        seen = np.asarray(jax.vmap(law.in_range)(batched)) & (law_coverage > least) & (law_coverage <= 1)
         if np.sum(seen) < 2:
             skipped.append(f"{law.name} has fewer than two of these winds in its range: it is left out.")
             continue

@@ -69,7 +69,9 @@ def test_a_free_scatter_has_a_longer_tail_than_its_error_says(values):
     assert scatter["name"] == "scatter"
     assert scatter["skewness"] > 0.5
     assert scatter["deviation_over_laplace_error"] > 1.15
-    assert "do not describe" in values["posteriors"]["scatter"]["verdict"]
+    # So few draws may also disagree too much to judge, which is said instead; that all is well is said in no case.
+    verdict = values["posteriors"]["scatter"]["verdict"]
+    assert "do not describe" in verdict or "cannot judge" in verdict
 
 
 def test_profiles_agree_with_a_trusted_fit_and_stay_open_without_a_prior(values):
