@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 import fitting
 
@@ -39,6 +40,8 @@ def plot(store: Files, view: View) -> None:
         _plot_coverage(axes["coverage"], view)
         _plot_thresholds(axes["threshold"], view)
         _plot_spread(axes["spread"], view)
+        for name in ("coverage", "spread"):
+            axes[name].xaxis.set_major_locator(MaxNLocator(integer=True, steps=[1, 2, 5, 10]))
         store.picture("law_ensemble", fig)
 
 
