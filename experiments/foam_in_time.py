@@ -177,7 +177,9 @@ def _fit_decay_time(config, active: fitting.SpectralModel) -> tuple[fitting.Tota
     model = fitting.TotalCoverageModel(
         active, START, horizon=horizon, dispersion=_build.dispersion(config.spectrum)
     )
-    fit = fitting.fit(model, lambda m: m.decay_time, _target(config, config.total_law))
+    # log W is nearly straight in log τ: undamped steps are few, where damped ones may stall on rounding.
+    solver = fitting.GaussNewton()
+    fit = fitting.fit(model, lambda m: m.decay_time, _target(config, config.total_law), solver=solver)
     return fit.model, fit
 
 
