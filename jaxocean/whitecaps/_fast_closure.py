@@ -1,5 +1,7 @@
 """The exact closure for millions of footprints: the same contour integral with a handful of nodes."""
 
+from functools import partial
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -81,7 +83,14 @@ class FastClosure(AbstractClosure):
         return jnp.where(some, jnp.log(jnp.where(some, coverage, 1.0)), -jnp.inf)
 
 
-def _coverage(mean, covariance, level, measure: Measure, nodes: int) -> Float[Array, "*b"]:
+@partial(jax.jit, static_argnames=("measure", "nodes"))
+def _coverage(
+    mean: Float[Array, "*b 3"],
+    covariance: Float[Array, "*b 3 3"],
+    level: Float[Array, "*b"],
+    measure: Measure,
+    nodes: int,
+) -> Float[Array, "*b"]:
     if measure == "rest":
         return jnp.clip(_below(_scaled(sound_form(mean, covariance)), level, nodes, moment=False), 0.0, 1.0)
 
