@@ -14,6 +14,8 @@ from jaxocean._numerics import logarithmic_nodes
 from jaxocean.whitecaps import ExactClosure, laws
 from jaxocean.whitecaps.laws import RangeWarning
 
+from ._timing import Timing, interleave
+
 SPEEDS = np.arange(4.0, 21.0, 2.0)
 BAND = (1e-3, 400.0)
 SCATTER, PRIOR_MEAN, PRIOR_DEVIATION = 0.5, 1.0, 0.1
@@ -28,7 +30,7 @@ MEASURES: tuple[Measure, ...] = ("rest", "projected")
 
 def run(*, quick: bool = False) -> None:
     """Print the table: nine winds, exact closure, shared ε and λ, a prior on λ."""
-    repeats = 5 if quick else 40
+    rounds = 2 if quick else 12
     print(
         "One fit of Monahan & O'Muircheartaigh 1980 (robust), U10 4 to 20 m/s in steps of 2, exact closure,"
     )
@@ -40,13 +42,10 @@ def run(*, quick: bool = False) -> None:
         mine()
         first = time.perf_counter() - began
         theirs()
-        # Turn about, so that a busy machine slows both alike.
-        ours, others = [], []
-        for _ in range(repeats):
-            ours.append(_timed(mine))
-            others.append(_timed(theirs))
-        fast = _row(f"jaxocean, {measure} area", ours, mine())
-        slow = _row(f"NumPy/SciPy, {measure} area", others, theirs())
+        contestants = {"ours": mine, "theirs": theirs}
+        times = interleave({name: lambda _, go=go: go() for name, go in contestants.items()}, rounds)
+        fast = _row(f"jaxocean, {measure} area", times["ours"], mine())
+        slow = _row(f"NumPy/SciPy, {measure} area", times["theirs"], theirs())
         verdict = "yes" if fast <= MOST_MILLISECONDS and fast < slow else "NO"
         print(
             f"  {slow / fast:.1f} times faster; at most {MOST_MILLISECONDS:g} ms and faster: {verdict}; "
@@ -153,13 +152,6 @@ def _moment(parts: tuple[np.ndarray, ...], level: float) -> np.ndarray:
     return (mean**2 + deviation**2 - square) * inside + deviation * edges
 
 
-def _timed(call: Callable[[], object]) -> float:
-    began = time.perf_counter()
-    call()
-    return 1e3 * (time.perf_counter() - began)
-
-
-def _row(name: str, times: list[float], found: tuple[float, float]) -> float:
-    median = float(np.median(times))
-    print(f"{name:30}{median:10.2f}{min(times):10.2f}{found[0]:10.4f}{found[1]:10.4f}")
-    return median
+def _row(name: str, timing: Timing, found: tuple[float, float]) -> float:
+    print(f"{name:30}{timing.median:10.2f}{timing.best:10.2f}{found[0]:10.4f}{found[1]:10.4f}")
+    return timing.median

@@ -1,5 +1,7 @@
 """The command line: `jaxocean run | sweep | list | show`. Nothing here imports JAX until something runs."""
 
+import atexit
+import gc
 import logging
 import signal
 import sys
@@ -161,6 +163,10 @@ def main() -> None:
     """Entry point: exit code 0, or 2 with one sentence, or 130 after Ctrl-C."""
     # A terminated run cleans up like an interrupted one.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    # A traced program is millions of small objects that stay to the end: look for garbage seldom, and not on the
+    # way out (it takes a second of every run).
+    gc.set_threshold(100_000, 20, 20)
+    atexit.register(gc.freeze)
     try:
         app(prog_name="jaxocean")
     except UserError as error:

@@ -27,8 +27,8 @@ from ._result import Result
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
 MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
-MEMORY, BYTES = 5e8, 24
-"""Bytes for the seas of one wind, and what a sample of one needs until its fields are made."""
+MEMORY, BYTES = 5e8, 8
+"""Bytes for the noise of the seas that are drawn at once, and for one of its complex numbers."""
 
 FIXED = 1e-4
 """Deviation of the prior on a choppiness that is not to move."""
@@ -199,7 +199,7 @@ class _Seas:
         self.config = config
         self.cascade = _build.cascade(config.cascade)
         keys = jax.random.split(jax.random.key(config.seed), config.realisations)
-        # As many seas at once as memory holds. The first are drawn in the background, while the fit is traced.
+        # As much noise at once as memory holds. The first are drawn in the background, while the fit is traced.
         size = max(1, int(MEMORY / (BYTES * self.cascade.count * self.cascade.resolution**2)))
         self.chunks = [keys[start : start + size] for start in range(0, config.realisations, size)]
         self.first = _draw(self.cascade, self.chunks[0])
@@ -241,12 +241,11 @@ def _draw(cascade: jo.surface.Cascade, keys: PRNGKeyArray) -> Complex[Array, "se
 @eqx.filter_jit
 def _count(model: fitting.SpectralModel, wind: jo.Wind, cascade, noise, measure: Measure, shifts: int):
     spectrum = model.spectrum(wind)
-    # All seas at once up to their amplitudes, so that the spectrum is sampled once; then one after the other.
-    seas = eqx.filter_vmap(lambda one: jo.surface.realise(spectrum, cascade, noise=one))(noise)
-    arrays, rest = eqx.partition(seas, eqx.is_array)
 
-    def coverage(one):
-        strain = eqx.combine(one, rest).strains(0.0, model.choppiness, model.breaking_wavenumber)
+    def coverage(one: Array) -> Array:
+        # The compiler takes what all seas share, the sampled spectrum, out of the loop.
+        sea = jo.surface.realise(spectrum, cascade, noise=one)
+        strain = sea.strains(0.0, model.choppiness, model.breaking_wavenumber)
         return jo.whitecaps.realised_coverage(strain, model.threshold, measure=measure, shifts=shifts)
 
-    return jax.lax.map(coverage, arrays)
+    return jax.lax.map(coverage, noise)

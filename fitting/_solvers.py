@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import optimistix as optx
 
+from ._rounding import forgiving
+
 
 class AbstractSolver(abc.ABC):
     """A choice of solver with its tolerances and the most steps that it may take."""
@@ -29,7 +31,7 @@ class LevenbergMarquardt(AbstractSolver):
     steps: int = 256
 
     def build(self) -> optx.AbstractLeastSquaresSolver:
-        return optx.LevenbergMarquardt(self.rtol, self.atol)
+        return forgiving(optx.LevenbergMarquardt(self.rtol, self.atol))
 
     def __str__(self) -> str:
         return "Levenberg-Marquardt"
@@ -59,7 +61,7 @@ class Dogleg(AbstractSolver):
     steps: int = 256
 
     def build(self) -> optx.AbstractLeastSquaresSolver:
-        return optx.Dogleg(self.rtol, self.atol)
+        return forgiving(optx.Dogleg(self.rtol, self.atol))
 
     def __str__(self) -> str:
         return "dogleg"

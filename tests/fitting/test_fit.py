@@ -42,6 +42,13 @@ def test_every_solver_recovers_the_numbers_behind_exact_data(solver):
     assert fit.seconds > 0
 
 
+@pytest.mark.parametrize("solver", [fitting.LevenbergMarquardt(), fitting.Dogleg()], ids=str)
+def test_rounding_of_the_cost_does_not_slow_the_last_steps(solver):
+    noise = 0.3 * np.random.default_rng(3).normal(size=(60, SPEEDS.size))
+    steps = [fitting.fit(PowerSea(), both, points(noise=row), solver=solver).steps for row in noise]
+    assert max(steps) < 2 * min(steps)
+
+
 def test_residuals_are_in_log10_and_their_rms_is_not_weighted():
     fit = fitting.fit(PowerSea(TRUTH[0]), lambda m: m.coefficient, points(scatter=0.01))
     (name,) = fit.residuals
