@@ -2,3 +2,7 @@
 
 from ._abstract import AbstractSky as AbstractSky
 from ._constant import ConstantSky as ConstantSky
+from ._hosek_wilkie import HosekWilkie as HosekWilkie
+from ._spectral_hosek_wilkie import SpectralHosekWilkie as SpectralHosekWilkie
+from ._sun import SUN_RADIUS as SUN_RADIUS
+from ._tables import WAVELENGTHS as WAVELENGTHS

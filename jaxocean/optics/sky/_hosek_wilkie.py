@@ -1,0 +1,80 @@
+"""The clear sky of Hošek and Wilkie in red, green and blue."""
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from ..._numerics import as_leaf
+from ..._types import Scalar
+from ._abstract import AbstractSky
+from ._beam import beam_irradiance, disc_radiance
+from ._clear import check_clear
+from ._colour_leaf import as_colour
+from ._dome import coefficients, dome_radiance
+from ._quadrature import dome_irradiance, lobe_mean
+from ._spectral_hosek_wilkie import to_srgb
+from ._sun import direction_of
+from ._tables import tables
+from ._twilight import twilight
+
+NORMALISATION = 1.0 / 106.7502594
+"""Brings the RGB tables to the unit of radiance: 1 / ∫ȳ dλ [1/nm], the figure that mitsuba 3 divides by."""
+
+
+class HosekWilkie(AbstractSky):
+    """The clear sky as a fit to a simulation of the scattering in the air, and the sun's beam through the same air.
+
+    The dome is the model's own fit for linear sRGB. The sun is its spectral fit, integrated over the disc and then
+    turned to sRGB, so that both have the unit of `AbstractSky`. Near sunset some channels become a little negative:
+    such colours lie outside of sRGB.
+
+    **Arguments:**
+
+    - `turbidity`: haze, from 1 (no aerosol) to 10 (very hazy); 2 to 3 over a clear ocean.
+    - `albedo`: of the ground below, 0 to 1, one number or three (red, green, blue); about 0.06 for the sea.
+    - `sun_elevation`: of the centre of the sun [rad], −π/2 to π/2. Below the horizon the dome keeps the colours of
+      sunset around the sun's true place and darkens as `twilight` does.
+    - `sun_azimuth`: counter-clockwise from +x (east) [rad].
+
+    All are differentiable; in the turbidity the model is linear between whole numbers, so that the derivative steps
+    there (the upper side's is given), and where the sun crosses the horizon it is finite but steep.
+
+    **Raises:** `ValueError` for a number that is outside of its range or not finite, or a wrong shape.
+
+    **Source:** Hošek & Wilkie, ACM Trans. Graph. 31(4), 95, 2012; IEEE Comput. Graph. Appl. 33(3), 44–52, 2013.
+    Twilight: Seidelmann 1992.
+    """
+
+    turbidity: Scalar = eqx.field(converter=as_leaf, default=3.0)
+    albedo: Float[Array, "3"] = eqx.field(converter=as_colour, default=0.06)
+    sun_elevation: Scalar = eqx.field(converter=as_leaf, default=0.7)
+    sun_azimuth: Scalar = eqx.field(converter=as_leaf, default=0.0)
+
+    def __check_init__(self) -> None:
+        check_clear(self.turbidity, self.albedo, (3,), self.sun_elevation, self.sun_azimuth)
+
+    @property
+    def sun_direction(self) -> Float[Array, "3"]:
+        return direction_of(self.sun_elevation, self.sun_azimuth)
+
+    @property
+    def sun_irradiance(self) -> Float[Array, "3"]:
+        return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
+
+    def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+        """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 beside it and below the horizon."""
+        return to_srgb(disc_radiance(self.turbidity, self.sun_direction, direction))
+
+    def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+        given = (self.turbidity, self.albedo, self.sun_elevation)
+        shape = coefficients(tables()["rgb_shape"], *given)
+        factor = coefficients(tables()["rgb_radiance"], *given)
+        factor = NORMALISATION * twilight(self.sun_elevation).astype(factor.dtype) * factor
+        return dome_radiance(direction, self.sun_direction, shape, factor)
+
+    def lobe_radiance(
+        self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
+    ) -> Float[Array, "*b 3"]:
+        return lobe_mean(self.radiance, direction, variance)
+
+    def irradiance(self) -> Float[Array, "3"]:
+        return dome_irradiance(self.radiance, self.sun_azimuth)
