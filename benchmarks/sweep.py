@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from experiments import schema, sweeps
-from experiments.coverage import measure
+from experiments.closures.coverage import measure
 from experiments.sweeps._batch import BATCH, with_numbers
 from experiments.sweeps._executors import available_cores
 

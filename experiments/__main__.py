@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from ._errors import Interrupted, UserError
-from ._version import version
+from .harness._errors import Interrupted, UserError
+from .harness._version import version
 
 app = typer.Typer(
     name="jaxocean",
@@ -58,10 +58,10 @@ def run(
     ] = None,
 ) -> None:
     """Run an experiment, or find its finished run again."""
-    from ._cache import keep_compiled_programs
-    from ._execute import execute, find_finished
-    from ._loading import load
-    from ._progress import bars
+    from .harness._cache import keep_compiled_programs
+    from .harness._execute import execute, find_finished
+    from .harness._loading import load
+    from .harness._progress import bars
 
     loaded = load(config, overrides or [], output=output)
     found = None if force else find_finished(loaded)
@@ -145,8 +145,8 @@ def list_() -> None:
 @app.command()
 def show(config: Config, overrides: Overrides = None) -> None:
     """Show every key of a config with its value, unit, default, range and meaning."""
-    from ._loading import load
     from ._show import keys_table
+    from .harness._loading import load
 
     _print(keys_table(load(config, overrides or [])))
 

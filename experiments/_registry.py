@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from . import schema
-from ._errors import UserError, nearest
-from ._result import Result
+from .harness._errors import UserError, nearest
+from .harness._result import Result
 
 
 @dataclass(frozen=True)
@@ -36,79 +36,79 @@ EXPERIMENTS = (
         "calibrate_monahan",
         "the breaking threshold and choppiness for which a sea obeys a whitecap law",
         schema.CalibrationConfig,
-        "experiments.calibrate_monahan",
+        "experiments.calibration.calibrate_monahan",
     ),
     Experiment(
         "spectrum",
         "a sea state: its spectrum, Hs, Tp, slopes per band, and one realisation",
         schema.SeaStateConfig,
-        "experiments.spectrum",
+        "experiments.seas.spectrum",
     ),
     Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,
-        "experiments.coverage",
+        "experiments.closures.coverage",
     ),
     Experiment(
         "measured_sea",
         "whitecap coverage predicted from measured directional spectra, per record",
         schema.MeasuredSeaConfig,
-        "experiments.measured_sea",
+        "experiments.records.measured_sea",
     ),
     Experiment(
         "sea_states",
         "whitecaps at one wind: against swell from any side, and against the age of the wind sea",
         schema.SeaStatesConfig,
-        "experiments.sea_states",
+        "experiments.seas.sea_states",
     ),
     Experiment(
         "ship_records",
         "wind sea and swell from what ships report, and their whitecaps beside empirical laws",
         schema.ShipRecordsConfig,
-        "experiments.ship_records",
+        "experiments.records.ship_records",
     ),
     Experiment(
         "gaussian_vs_monte_carlo",
         "is the Jacobian Gaussian? coverage by three closures, by Monte Carlo and by FFT seas",
         schema.GaussianVsMonteCarloConfig,
-        "experiments.gaussian_vs_monte_carlo",
+        "experiments.closures.gaussian_vs_monte_carlo",
     ),
     Experiment(
         "footprint_bias",
         "how wrong closures are in footprints of every size, and how normal the sea is inside them",
         schema.FootprintBiasConfig,
-        "experiments.footprint_bias",
+        "experiments.footprints.footprint_bias",
     ),
     Experiment(
         "calibration_uncertainty",
         "can the errors of a calibration be trusted? posterior, profile likelihood, coverage probability",
         schema.UncertaintyConfig,
-        "experiments.calibration_uncertainty",
+        "experiments.calibration.calibration_uncertainty",
     ),
     Experiment(
         "law_ensemble",
         "one sea calibrated to every whitecap law: the spread of ε and the band of W(U10)",
         schema.LawEnsembleConfig,
-        "experiments.law_ensemble",
+        "experiments.calibration.law_ensemble",
     ),
     Experiment(
         "foam_in_time",
         "foam that outlives breaking: active and total coverage on a world tile and without, the decay time",
         schema.FoamInTimeConfig,
-        "experiments.foam_in_time",
+        "experiments.foam.foam_in_time",
     ),
     Experiment(
         "dupuy_scenes",
         "the paper's own scenes: coverage by its equations, its program, exactly, and counted",
         schema.DupuyScenesConfig,
-        "experiments.dupuy_scenes",
+        "experiments.patterns.dupuy_scenes",
     ),
     Experiment(
         "repetition",
         "how many patterns a sea needs, lest it repeat visibly: autocorrelation over kilometres, and period",
         schema.RepetitionConfig,
-        "experiments.repetition",
+        "experiments.patterns.repetition",
     ),
 )
 

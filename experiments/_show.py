@@ -12,10 +12,10 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from ._errors import UserError
-from ._loading import CHOOSING, Loaded, load, shipped
-from ._messages import sections_of
 from ._registry import EXPERIMENTS
+from .harness._errors import UserError
+from .harness._loading import CHOOSING, Loaded, load, shipped
+from .harness._messages import sections_of
 
 BOUNDS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 Row = tuple[str, Any, FieldInfo, str]

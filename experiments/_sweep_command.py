@@ -6,7 +6,7 @@ from functools import partial
 from rich.console import Console
 
 from . import sweeps
-from ._errors import UserError
+from .harness._errors import UserError
 from .sweeps._design import Kind
 from .sweeps._executors import available_cores
 from .sweeps._meter import in_words

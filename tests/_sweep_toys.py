@@ -15,10 +15,10 @@ import xarray as xr
 from pydantic import model_validator
 
 from experiments import __main__, schema, sweeps
-from experiments._errors import UserError
-from experiments._quantity import Quantity
 from experiments._registry import Experiment
-from experiments._result import Result
+from experiments.harness._errors import UserError
+from experiments.harness._quantity import Quantity
+from experiments.harness._result import Result
 from experiments.schema import key
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Literal
 
 from experiments import schema
-from experiments._execute import execute
-from experiments._files import variable
-from experiments._loading import load
 from experiments._registry import Experiment
-from experiments._result import Result, Table
+from experiments.harness._execute import execute
+from experiments.harness._files import variable
+from experiments.harness._loading import load
+from experiments.harness._result import Result, Table
 from experiments.schema import key
 
 

@@ -1,12 +1,28 @@
 """A strict session: float64, strict promotion, warnings as errors, shapes and types checked at every call."""
 
 import os
+from pathlib import Path
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
 import jax
+import pytest
 from jaxtyping import install_import_hook
 
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 install_import_hook(["jaxocean", "fitting"], "beartype.beartype")
+
+
+MOST_MAPS = 20_000
+"""Linux gives a process 65,530 memory maps by default; a compiled program takes a few, and the compiler crashes without
+a word when there are none left."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _room_for_programs():
+    """Forget compiled programs when a worker has gathered very many."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.exists() and maps.read_text().count("\n") > MOST_MAPS:
+        jax.clear_caches()

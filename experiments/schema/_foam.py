@@ -11,13 +11,7 @@ from pydantic import model_validator
 from ._base import ExperimentConfig, Section, key, wrong
 from ._calibration import LawName, WindsConfig
 from ._experiments import DATA_VARIABLE
-from ._sea import (
-    CascadeConfig,
-    Choppiness,
-    breaking_wavenumber_key,
-    check_choppiness,
-    choppiness_key,
-)
+from ._sea import CascadeConfig, Choppiness, breaking_wavenumber_key, check_choppiness, choppiness_key
 from ._spectra import ElfouhailyConfig, JonswapConfig, PiersonMoskowitzConfig, SpectrumConfig
 
 SIZES = (128.0, 32.0)

@@ -6,13 +6,7 @@ from pydantic import model_validator
 
 from ._base import ExperimentConfig, Section, key, wrong
 from ._gaussian import ComparedWindsConfig
-from ._sea import (
-    CascadeConfig,
-    Choppiness,
-    breaking_wavenumber_key,
-    check_choppiness,
-    choppiness_key,
-)
+from ._sea import CascadeConfig, Choppiness, breaking_wavenumber_key, check_choppiness, choppiness_key
 from ._spectra import ElfouhailyConfig, SpectrumConfig
 
 

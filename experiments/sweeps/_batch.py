@@ -11,7 +11,7 @@ import jax
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from .._messages import sentence
+from ..harness._messages import sentence
 from ..schema import ExperimentConfig
 from ._design import Axis, Codes
 from ._task import Column, Task, reason_of

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .._errors import UserError
+from ..harness._errors import UserError
 from ._values import Between, Values
 
 Kind = Literal["cartesian", "zip", "sobol", "random"]

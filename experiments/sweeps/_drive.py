@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import replace
 
-from .._errors import UserError
+from ..harness._errors import UserError
 from ._results import Results
 from ._task import Outcome, Task, compute, failure
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any
 
-from .._errors import UserError
+from ..harness._errors import UserError
 
 PATIENCE = "10s"
 """How long a scheduler may take to answer."""

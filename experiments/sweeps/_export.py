@@ -12,7 +12,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from .._loading import Loaded
+from ..harness._loading import Loaded
 from ._design import Design
 from ._results import DONE, REASON, Results, coordinate, labels, variable_name
 

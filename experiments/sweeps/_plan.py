@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from .._errors import UserError
-from .._loading import Loaded, locate, read_text
 from .._registry import EXPERIMENTS, Experiment
-from .._store import digests, run_folder
-from .._version import version
+from ..harness._errors import UserError
+from ..harness._loading import Loaded, locate, read_text
+from ..harness._store import digests, run_folder
+from ..harness._version import version
 from ._design import Axis, Kind, build
 from ._points import Points, check_values, representative
 from ._values import Between, parse

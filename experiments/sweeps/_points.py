@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from .._errors import UserError
-from .._loading import CHOOSING, Loaded, called, resolve
-from .._messages import paths, sentence
 from .._registry import Experiment
+from ..harness._errors import UserError
+from ..harness._loading import CHOOSING, Loaded, called, resolve
+from ..harness._messages import paths, sentence
 from ._design import Axis, Design
 from ._values import Between, Listed, Steps
 

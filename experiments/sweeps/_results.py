@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import zarr
 
-from .._errors import UserError
-from .._loading import Loaded
-from .._messages import paths
-from .._quantity import CONVENTIONS, Quantity, udunits
-from .._version import version
+from ..harness._errors import UserError
+from ..harness._loading import Loaded
+from ..harness._messages import paths
+from ..harness._quantity import CONVENTIONS, Quantity, udunits
+from ..harness._version import version
 from ._design import Axis, Codes, Design
 from ._task import KINDS_DIFFER, Column, Outcome
 

@@ -12,12 +12,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
-from .._execute import collect_warnings
-from .._files import Files
-from .._loading import Loaded
-from .._progress import Silent
-from .._quantity import Quantity, unit_of_name
-from .._result import jsonable
+from ..harness._execute import collect_warnings
+from ..harness._files import Files
+from ..harness._loading import Loaded
+from ..harness._progress import Silent
+from ..harness._quantity import Quantity, unit_of_name
+from ..harness._result import jsonable
 from ._task import KINDS_DIFFER, Column, Task, reason_of
 
 ONE_AT_A_TIME = threading.Lock()

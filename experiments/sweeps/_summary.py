@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .._result import Result, Table, cell
+from ..harness._result import Result, Table, cell
 from ._design import Axis, Design
 from ._plan import Sweep
 from ._results import DONE, Results, coordinate

@@ -12,11 +12,11 @@ from typing import Any
 
 import yaml
 
-from .._errors import Interrupted, UserError
-from .._provenance import provenance
-from .._report import render
-from .._result import Result, jsonable
-from .._store import FinishedRun, find
+from ..harness._errors import Interrupted, UserError
+from ..harness._provenance import provenance
+from ..harness._report import render
+from ..harness._result import Result, jsonable
+from ..harness._store import FinishedRun, find
 from ._drive import drive
 from ._export import export
 from ._lock import locked

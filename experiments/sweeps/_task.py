@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .._cache import keep_compiled_programs
-from .._errors import UserError
-from .._execute import is_ours, one_line
-from .._quantity import Quantity
 from .._registry import Experiment
+from ..harness._cache import keep_compiled_programs
+from ..harness._errors import UserError
+from ..harness._execute import is_ours, one_line
+from ..harness._quantity import Quantity
 from ._points import Points
 
 KINDS_DIFFER = "is a number at some points and a list at others: only one kind is kept."

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 import experiments
-from experiments._cache import cache_folder
+from experiments.harness._cache import cache_folder
 
 PROGRAM = """
 import jax
-from experiments._cache import keep_compiled_programs
+from experiments.harness._cache import keep_compiled_programs
 keep_compiled_programs()
 print(jax.config.jax_compilation_cache_dir)
 jax.jit(lambda x: x + 1)(1.0).block_until_ready()
@@ -42,7 +42,7 @@ def test_the_folder_is_keyed_by_jaxlib_and_processor(tmp_path, monkeypatch):
     assert folder is not None
     assert folder.parent == tmp_path
     assert metadata.version("jaxlib") in folder.name
-    monkeypatch.setattr("experiments._cache._cpu", lambda: "another")
+    monkeypatch.setattr("experiments.harness._cache._cpu", lambda: "another")
     assert cache_folder() != folder
 
 

@@ -7,10 +7,11 @@ import pytest
 import xarray as xr
 
 import fitting
-from experiments import _build, schema
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments import schema
+from experiments.common import _build
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = [
     "cascade.sizes=[400.0,37.0]",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import experiments
-from experiments._version import version
+from experiments.harness._version import version
 
 PROJECT = Path(experiments.__file__).parents[1]
 HEAVY = ("jax", "jaxlib", "matplotlib", "xarray", "numpy", "scipy", "pandas")

@@ -13,10 +13,10 @@ from _sweep_toys import compute
 from PIL import Image
 
 from experiments import schema, sweeps
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
-from experiments.coverage import QUANTITIES, _statistics
+from experiments.closures.coverage import QUANTITIES, _statistics
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 from experiments.sweeps._batch import with_numbers
 
 REFERENCE = {
@@ -125,7 +125,7 @@ def test_the_netcdf_files_pass_the_cf_checker(swept, run):
 
 def test_a_run_of_a_calm_sea_is_refused(tmp_path, monkeypatch):
     calm = dict.fromkeys(QUANTITIES, 0.0)
-    monkeypatch.setattr("experiments.coverage._close", lambda config, levels: (calm, None))
+    monkeypatch.setattr("experiments.closures.coverage._close", lambda config, levels: (calm, None))
     with pytest.raises(UserError, match="do not strain the surface"):
         execute(load("coverage", ["wind.speed=0"], output=str(tmp_path)))
 

@@ -9,10 +9,10 @@ import xarray as xr
 from PIL import Image
 
 import jaxocean as jo
-from experiments import _dupuy_report
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
+from experiments.patterns import _dupuy_report
 from experiments.schema import SCENES
 
 SMALL = ("scenes=[1,6]", "resolution=64", "realisations=16", "shifts=2")

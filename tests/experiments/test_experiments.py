@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = ("cascade.resolution=32", "map.resolution=32")
 

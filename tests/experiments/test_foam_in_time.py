@@ -10,10 +10,10 @@ import xarray as xr
 from PIL import Image
 
 import jaxocean as jo
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._foam_events import follow, read_measured
-from experiments._loading import load
+from experiments.foam._foam_events import follow, read_measured
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 from jaxocean.whitecaps import foam
 
 SMALL = (

@@ -10,10 +10,11 @@ from PIL import Image
 from scipy import stats
 
 import jaxocean as jo
-from experiments import _footprint_errors, _normality, _tiles
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.common import _tiles
+from experiments.footprints import _footprint_errors, _normality
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = (
     "wind.speed=[14]",

@@ -10,11 +10,12 @@ from PIL import Image
 from scipy import stats
 
 import jaxocean as jo
-from experiments import _counting, _gaussian_report, gaussian_vs_monte_carlo
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._gaussian_views import Comparison
-from experiments._loading import load
+from experiments.closures import _gaussian_report, gaussian_vs_monte_carlo
+from experiments.closures._gaussian_views import Comparison
+from experiments.common import _counting
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = (
     "wind.speed=[8,15]",

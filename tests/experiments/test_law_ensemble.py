@@ -9,10 +9,10 @@ import xarray as xr
 from PIL import Image
 
 import jaxocean as jo
-from experiments import _build, _calibrated_sea
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.common import _build, _calibrated_sea
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = [
     "cascade.sizes=[400.0,37.0]",

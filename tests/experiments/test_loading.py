@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from experiments._errors import UserError
-from experiments._loading import load, shipped
+from experiments.harness._errors import UserError
+from experiments.harness._loading import load, shipped
 from experiments.schema import DEFAULT_BREAKING_WAVENUMBER, JonswapConfig, MitsuyasuSpreading
 
 BAD_OVERRIDES = {

@@ -13,11 +13,11 @@ import pytest
 import xarray as xr
 
 import jaxocean as jo
-from experiments import _measured_records
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
-from experiments._progress import Silent
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
+from experiments.harness._progress import Silent
+from experiments.records import _measured_records
 from jaxocean import io
 
 K_B = np.pi * 256 / 11

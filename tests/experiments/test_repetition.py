@@ -9,9 +9,9 @@ import xarray as xr
 from PIL import Image
 
 import jaxocean as jo
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 SMALL = (
     "patterns=[1,3]",

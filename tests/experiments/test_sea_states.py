@@ -10,10 +10,10 @@ import xarray as xr
 from scipy import optimize
 
 import jaxocean as jo
-from experiments import _build
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.common import _build
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 K_B = np.pi * 256 / 11
 

@@ -14,10 +14,10 @@ import xarray as xr
 from scipy import stats
 
 import jaxocean as jo
-from experiments._bootstrap import block_interval
-from experiments._errors import UserError
-from experiments._execute import execute
-from experiments._loading import load
+from experiments.common._bootstrap import block_interval
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
 
 HEADER = "jd u zu ta tsnk lat lon cp sigH\n"
 DATA = Path(os.environ.get("JAXOCEAN_DATA", "../shared/data")) / "meteorology" / "test_36_data.txt"

@@ -14,11 +14,11 @@ import xarray as xr
 from _toy import TOYS, load_toy
 
 import experiments
-from experiments import _execute
-from experiments._errors import UserError
-from experiments._execute import execute, find_finished
-from experiments._loading import load
-from experiments._store import RunWriter, identity, remove_stale
+from experiments.harness import _execute
+from experiments.harness._errors import UserError
+from experiments.harness._execute import execute, find_finished
+from experiments.harness._loading import load
+from experiments.harness._store import RunWriter, identity, remove_stale
 
 
 def names(folder: Path) -> list[str]:
@@ -75,7 +75,7 @@ def test_the_identity_covers_the_contents_of_input_files_and_the_version(tmp_pat
     source.write_text("2")
     after = identity(load_toy(tmp_path, f"source={source}"))
     assert before != after
-    monkeypatch.setattr("experiments._store.version", lambda: "99")
+    monkeypatch.setattr("experiments.harness._store.version", lambda: "99")
     assert identity(load_toy(tmp_path, f"source={source}")) != after
 
 

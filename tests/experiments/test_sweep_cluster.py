@@ -13,7 +13,7 @@ import xarray as xr
 from _sweep_toys import compute, computed, plan
 
 import experiments
-from experiments._errors import UserError
+from experiments.harness._errors import UserError
 from experiments.sweeps import _executors, cluster
 
 PROJECT = Path(experiments.__file__).parents[1]

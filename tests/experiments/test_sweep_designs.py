@@ -8,7 +8,7 @@ import pytest
 from _sweep_toys import plan
 from scipy.stats import qmc
 
-from experiments._errors import UserError
+from experiments.harness._errors import UserError
 from experiments.sweeps import Design
 from experiments.sweeps._design import BLOCK, Axis, build
 from experiments.sweeps._values import Between, Listed, Steps, parse

@@ -16,8 +16,8 @@ import zarr
 from _sweep_toys import compute, computed, plan
 
 import experiments
-from experiments._errors import UserError
 from experiments._sweep_command import sweep_command
+from experiments.harness._errors import UserError
 from experiments.sweeps import find_finished
 from experiments.sweeps._drive import DEATHS
 from experiments.sweeps._executors import SpawnPool

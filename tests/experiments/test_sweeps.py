@@ -17,8 +17,8 @@ import zarr
 from _sweep_toys import compute, computed, plan
 from rich.console import Console
 
-from experiments._errors import UserError
-from experiments._quantity import udunits, unit_of_name
+from experiments.harness._errors import UserError
+from experiments.harness._quantity import udunits, unit_of_name
 from experiments.sweeps import find_finished, meter
 from experiments.sweeps._executors import Inline
 from experiments.sweeps._export import _rows

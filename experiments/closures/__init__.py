@@ -1,0 +1,1 @@
+"""Experiments on closures over the whole plane."""

@@ -1,0 +1,1 @@
+"""The experiment on foam that outlives breaking."""

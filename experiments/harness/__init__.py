@@ -1,0 +1,1 @@
+"""A run: configs loaded, results written, finished runs found again."""

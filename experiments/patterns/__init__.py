@@ -1,0 +1,1 @@
+"""Experiments on the patterns of a cascade: the paper's scenes, and how a sea repeats."""
