@@ -1,7 +1,7 @@
 """Spectra become colours: spectrum → CIE XYZ → linear sRGB."""
 
 import functools
-from importlib.resources import files
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
@@ -27,8 +27,7 @@ def observer() -> np.ndarray:
     The CIE 1931 2° standard observer and the illuminant D65 (its last value held beyond 780 nm), taken from
     colour-science 0.4.7.
     """
-    with (files(__package__) / "cie_1931.csv").open("r") as file:
-        return np.loadtxt(file, delimiter=",", skiprows=1)
+    return np.loadtxt(Path(__file__).with_name("cie_1931.csv"), delimiter=",", skiprows=1)
 
 
 def _hats(wavelengths: np.ndarray, fine: np.ndarray) -> np.ndarray:

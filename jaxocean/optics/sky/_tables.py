@@ -1,7 +1,7 @@
 """The coefficient tables of the sky model, read once from the file beside this one."""
 
 import functools
-from importlib.resources import files
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -25,8 +25,5 @@ def tables() -> MappingProxyType:
 
     Origin and licence: `hosek_wilkie.txt`.
     """
-    with (
-        (files(__package__) / "hosek_wilkie.npz").open("rb") as file,
-        np.load(file, allow_pickle=False) as archive,
-    ):
+    with np.load(Path(__file__).with_name("hosek_wilkie.npz"), allow_pickle=False) as archive:
         return MappingProxyType({name: archive[name] for name in archive.files})
