@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 # Room → the rooms that it may import, besides itself. `jaxocean/` stands for its level-0 files.
-BASE = {"jaxocean._types", "jaxocean._constants", "jaxocean._numerics"}
+BASE = {"jaxocean._types", "jaxocean._constants", "jaxocean._numerics", "jaxocean._elementary"}
 PHYSICS = {"jaxocean.wind", "jaxocean.spectra"}
 SHORE = {"jaxocean.optics", "jaxocean.imagery"}
 TO_SURFACE = PHYSICS | {"jaxocean.surface"}
@@ -20,6 +20,7 @@ MAY_IMPORT = {
     "jaxocean._types": set(),
     "jaxocean._constants": {"jaxocean._types"},
     "jaxocean._numerics": {"jaxocean._types", "jaxocean._constants"},
+    "jaxocean._elementary": set(),
     "jaxocean.wind": BASE,
     "jaxocean.spectra": BASE | {"jaxocean.wind"},
     "jaxocean.optics": BASE,

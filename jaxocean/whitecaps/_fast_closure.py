@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._elementary import exponential, inverse_root, reciprocal
 from .._numerics import as_leaf
 from .._types import FloatLike
 from ..surface.fft._sincos import sincos_turns
 from ._closures import FOLD, AbstractClosure, Measure, check_measure
-from ._elementary import exponential, inverse_root, reciprocal
 from ._quadratic_form import Form, moments, sound_form
 from ._statistics import StrainStatistics
 

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Inexact
 
-from ._elementary import inverse_root
+from .._elementary import inverse_root
 
 
 class Form(NamedTuple):

@@ -2,8 +2,7 @@
 
 On a CPU, XLA writes the result of a division, a root or an exponential to memory as soon as it is used twice, and
 computes anew whatever leads to it for each program that reads it. Built from products and shifts of the bits they
-stay in one loop: the closure in the one user of this file is four times faster for it. In float64 they are those of
-the library.
+stay in one loop: the fast closure is four times faster for it. In float64 they are those of the library.
 """
 
 import jax
