@@ -71,7 +71,7 @@ class Filmic(AbstractTone):
 
     $$ V = \\mathrm{sRGB}\\left(\\frac{x (2.51 x + 0.03)}{x (2.43 x + 0.59) + 0.14}\\right), \\quad x = e L $$
 
-    It reaches white at x = 7.25. **Arguments:** `exposure`: e, greater than 0; differentiable. 0.6 is the exposure of
+    It reaches white at x = 7.24. **Arguments:** `exposure`: e, greater than 0; differentiable. 0.6 is the exposure of
     the reference itself.
 
     **Source:** K. Narkowicz, ACES Filmic Tone Mapping Curve, 2016.

@@ -6,16 +6,20 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf, is_concrete
+from ..._types import FloatLike
+from .._colour import luminance
 
 
-def as_colour(value: object) -> Float[Array, "..."]:
+def as_colour(value: FloatLike) -> Float[Array, "..."]:
     """Turn three numbers, or one number for all three channels, into a leaf (3,)."""
-    leaf = as_leaf(jnp.asarray(value))
+    leaf = as_leaf(value)
     return jnp.broadcast_to(leaf, (3,)) if leaf.ndim == 0 else leaf
 
 
 def check_colour(name: str, value: Float[Array, "..."], unit: str) -> None:
-    """Raise one clear sentence unless a leaf holds three finite numbers that are not negative; tracers pass.
+    """Raise one clear sentence unless a leaf holds three finite numbers of no negative luminance; tracers pass.
+
+    A single channel may be negative: that is a colour outside of sRGB.
 
     **Raises:** `ValueError` that names the argument, what it must be and what it is.
     """
@@ -25,7 +29,10 @@ def check_colour(name: str, value: Float[Array, "..."], unit: str) -> None:
         raise ValueError(
             f"Argument `{name}` must be one number or three (red, green, blue), but has shape {value.shape}."
         )
-    if is_concrete(value) and not (bool(jnp.all(jnp.isfinite(value))) and bool(jnp.all(value >= 0))):
+    if not is_concrete(value):
+        return
+    colour = np.asarray(value)
+    if not np.all(np.isfinite(colour)) or float(luminance(jnp.asarray(colour))) < 0.0:
         raise ValueError(
-            f"Argument `{name}` must be finite and at least 0 {unit}, but is {np.asarray(value).tolist()}."
+            f"Argument `{name}` must be finite with a luminance of at least 0 {unit}, but is {colour.tolist()}."
         )
