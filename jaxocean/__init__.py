@@ -2,6 +2,7 @@
 
 from . import filtering as filtering
 from . import io as io
+from . import optics as optics
 from . import spectra as spectra
 from . import surface as surface
 from . import whitecaps as whitecaps

@@ -1,0 +1,142 @@
+"""The sky as the sea mirrors it."""
+
+import abc
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._elementary import inverse_root, reciprocal
+from ..sky import AbstractSky
+from ._facing import facing
+from ._fresnel import AbstractFresnel
+from ._mean_fresnel import bruneton_mean_fresnel
+from ._visible_slopes import THREE_SLOPES, AbstractVisibleSlopes, SlopeNode, SlopeQuadrature
+
+NOTHING = 1e-12
+"""Reflectance [-] below which the mean reflecting facet is not asked for."""
+
+
+class SkyReflection(NamedTuple):
+    """Mean reflectance F̄ [-] of the facets in view, (*b), and the reflected sky [radiance], (*b, 3)."""
+
+    reflectance: Float[Array, "*b"]
+    radiance: Float[Array, "*b 3"]
+
+
+class AbstractSkyReflection(eqx.Module):
+    """How the sky's radiance is averaged over the facets in view, each with its reflectance.
+
+    $$ L = \\overline{F(ω)\\, L_{\\mathrm{sky}}(R)}, \\quad R = 2 (V·N) N - V $$
+    """
+
+    @abc.abstractmethod
+    def __call__(
+        self,
+        to_viewer: Float[Array, "*b 3"],
+        slope: Float[Array, "*b 2"],
+        covariance: Float[Array, "*b 2 2"],
+        sky: AbstractSky,
+        fresnel: AbstractFresnel,
+    ) -> SkyReflection:
+        """The sky that footprints with mean `slope` and `covariance` of slopes reflect `to_viewer`."""
+
+
+class LobeReflection(AbstractSkyReflection):
+    """One look-up in the sky, where the mean reflecting facet points, widened by the spread of the mirrored rays.
+
+    The mean facet is weighted by what the viewer sees of each facet and by what it reflects.
+    """
+
+    def __call__(
+        self,
+        to_viewer: Float[Array, "*b 3"],
+        slope: Float[Array, "*b 2"],
+        covariance: Float[Array, "*b 2 2"],
+        sky: AbstractSky,
+        fresnel: AbstractFresnel,
+    ) -> SkyReflection:
+        nodes = THREE_SLOPES.nodes(to_viewer, slope, covariance)
+        parts = [node.weight * fresnel(node.cosine) for node in nodes]
+        reflectance = sum(parts[1:], start=parts[0])
+        inverse = reciprocal(jnp.maximum(reflectance, NOTHING))
+        shares = [part * inverse for part in parts]
+        x = _mean(shares, [node.x for node in nodes])
+        y = _mean(shares, [node.y for node in nodes])
+        cosine = _mean(shares, [node.cosine for node in nodes])
+        spread = _mean(shares, [(node.x - x) ** 2 + (node.y - y) ** 2 for node in nodes])
+        # A facet that tilts by δ along the view turns the ray by 2δ, across it by 2δ cosω.
+        variance = 2.0 * (spread + cosine * cosine * nodes[0].loose)
+        radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), variance)
+        return SkyReflection(reflectance, reflectance[..., None] * radiance)
+
+
+class FacetReflection(AbstractSkyReflection):
+    """One look-up in the sky for each facet of a quadrature: the reference, and slow.
+
+    **Arguments:** `visible`: the rule for means over the facets in view.
+    """
+
+    visible: AbstractVisibleSlopes = SlopeQuadrature()
+
+    def __call__(
+        self,
+        to_viewer: Float[Array, "*b 3"],
+        slope: Float[Array, "*b 2"],
+        covariance: Float[Array, "*b 2 2"],
+        sky: AbstractSky,
+        fresnel: AbstractFresnel,
+    ) -> SkyReflection:
+        nodes = self.visible.nodes(to_viewer, slope, covariance)
+
+        def add(total: SkyReflection, node: SlopeNode) -> tuple[SkyReflection, None]:
+            each = node.weight * fresnel(node.cosine)
+            radiance = each[..., None] * sky.radiance(mirrored(to_viewer, node.x, node.y))
+            return SkyReflection(total.reflectance + each, total.radiance + radiance), None
+
+        # One node after the other: all at once would hold as many pictures as there are nodes.
+        start = SkyReflection(jnp.zeros_like(to_viewer[..., 0]), jnp.zeros_like(to_viewer))
+        steps = jax.tree.map(lambda *each: jnp.stack(each), *nodes)
+        return jax.lax.scan(add, start, steps)[0]
+
+
+class BrunetonReflection(AbstractSkyReflection):
+    """The mean facet mirrors a widened sky, with the reflectance of Bruneton's fit.
+
+    **Source:** Bruneton, Neyret & Holzschuch 2010, Comput. Graph. Forum 29, §4; see `bruneton_mean_fresnel`.
+    """
+
+    def __call__(
+        self,
+        to_viewer: Float[Array, "*b 3"],
+        slope: Float[Array, "*b 2"],
+        covariance: Float[Array, "*b 2 2"],
+        sky: AbstractSky,
+        fresnel: AbstractFresnel,
+    ) -> SkyReflection:
+        del fresnel
+        seen = facing(to_viewer, slope, covariance)
+        x, y = slope[..., 0], slope[..., 1]
+        cosine = seen.mean * inverse_root(1.0 + x * x + y * y)
+        total = covariance[..., 0, 0] + covariance[..., 1, 1]
+        along = jnp.minimum(seen.turn[0] ** 2 + seen.turn[1] ** 2, total)
+        reflectance = bruneton_mean_fresnel(cosine, along)
+        variance = 2.0 * (along + cosine * cosine * (total - along))
+        radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), variance)
+        return SkyReflection(reflectance, reflectance[..., None] * radiance)
+
+
+def _mean(shares: list[Array], values: list[Array]) -> Array:
+    terms = [share * value for share, value in zip(shares, values, strict=True)]
+    return sum(terms[1:], start=terms[0])
+
+
+def mirrored(
+    direction: Float[Array, "*b 3"], x: Float[Array, "*b"], y: Float[Array, "*b"]
+) -> Float[Array, "*b 3"]:
+    """The unit vector (*b, 3) from which a facet of slope (x, y) reflects light into `direction`."""
+    dx, dy, dz = direction[..., 0], direction[..., 1], direction[..., 2]
+    scale = 2.0 * (dz - x * dx - y * dy) * reciprocal(1.0 + x * x + y * y)
+    return jnp.stack([-scale * x - dx, -scale * y - dy, scale - dz], axis=-1)

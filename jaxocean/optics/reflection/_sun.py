@@ -1,0 +1,67 @@
+"""Sun glitter: the facets in a footprint that mirror the sun's disc."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._elementary import inverse_root, reciprocal
+from ._facing import facing
+from ._fresnel import AbstractFresnel, ExactFresnel
+from ._masking import HEIGHT_CORRELATED, AbstractMasking
+from ._slopes import bivariate_normal
+
+SUN_DISC = 1.4e-6
+"""Slope variance [-] that mirrors as wide as the sun's disc: its radius 4.7e-3 rad, squared, over 16."""
+
+RISE = 1e-3
+"""Cosine [-] of the sun on the mean facet below which its light fades out: there the facets' shadow is unbounded."""
+
+
+def sun_glitter(
+    to_viewer: Float[Array, "*b 3"],
+    to_sun: Float[Array, "3"],
+    slope: Float[Array, "*b 2"],
+    covariance: Float[Array, "*b 2 2"],
+    fresnel: AbstractFresnel | None = None,
+    masking: AbstractMasking = HEIGHT_CORRELATED,
+) -> Float[Array, "*b"]:
+    """Radiance of the reflected sun per irradiance of its beam.
+
+    $$ \\frac{L}{E} = \\frac{F(V·H)\\, p(ζ_H)}{4 H_z^4\\, (V_z - m·V_{xy})}\\, G $$
+
+    with the half vector H = (V + L)/|V + L|, its slope ζ_H = −H_xy/H_z, the density p of slopes with the mean m of
+    the footprint, widened by the sun's disc, and the masking G. V_z − m·V_xy is the projected area of the mean facet;
+    without mean slope it is cosθ_V. Facets that are lit and seen only because others reflect on them are left out.
+
+    **Arguments:** `to_viewer` V, unit vectors (*b, 3); `to_sun` L, a unit vector (3,); `slope` m and `covariance`:
+    mean (*b, 2) and covariance (*b, 2, 2) of the slopes in the footprint; `fresnel`: reflectance of a facet,
+    `ExactFresnel()` by default;
+    `masking`: how masking and shadowing go together.
+
+    **Returns:** L/E [1/sr], (*b); 0 where the sun is below the mean facet.
+
+    **Source:** Ross, Dion & Potvin 2005, eq. 36; Bruneton, Neyret & Holzschuch 2010, §4.
+    """
+    fresnel = ExactFresnel() if fresnel is None else fresnel
+    sun = to_sun.astype(to_viewer.dtype)
+    seen = facing(to_viewer, slope, covariance)
+    lit = facing(jnp.broadcast_to(sun, to_viewer.shape), slope, covariance)
+    hx, hy, hz = (to_viewer[..., i] + sun[i] for i in range(3))
+    up = hz > 0.0
+    inverse = reciprocal(jnp.where(up, hz, 1.0))
+    square = hx * hx + hy * hy + hz * hz
+    density = bivariate_normal(
+        hx * inverse + slope[..., 0],
+        hy * inverse + slope[..., 1],
+        covariance[..., 0, 0] + SUN_DISC,
+        covariance[..., 1, 1] + SUN_DISC,
+        0.5 * (covariance[..., 0, 1] + covariance[..., 1, 0]),
+    )
+    # |V + L| = 2 cosω
+    square = jnp.where(up, square, 1.0)
+    reflected = fresnel(0.5 * square * inverse_root(square))
+    steep = square * inverse * inverse
+    visible = masking(seen.hidden, lit.hidden, to_viewer, jnp.broadcast_to(sun, to_viewer.shape))
+    rising = sun[2] - slope[..., 0] * sun[0] - slope[..., 1] * sun[1]
+    fade = jnp.clip(rising / RISE, 0.0, 1.0)
+    radiance = 0.25 * reflected * density * steep * steep * visible * fade * reciprocal(seen.mean)
+    return jnp.where(up, radiance, 0.0)
