@@ -102,10 +102,10 @@ def dome_radiance(
     square, haze, root = cosine * cosine, 1.0 / (upward + 0.01), safe_sqrt(upward)
     channels = []
     # Each channel is one contiguous loop over directions; with the channels innermost it is several times slower.
-    for channel in range(factor.shape[0]):
-        a, b, c, d, e, f, g, i, h = (shape[channel, k] for k in range(9))
+    for k in range(factor.shape[0]):
+        a, b, c, d, e, f, g, i, h = shape[k]
         lobe = (1.0 - h) * (1.0 - h) + 2.0 * h * half  # h stays below 0.91 in the whole range of the model
         chi = (1.0 + square) / (lobe * jnp.sqrt(lobe))
         scattered = c + d * jnp.exp(e * angle) + f * square + g * chi + i * root
-        channels.append(factor[channel] * (1.0 + a * jnp.exp(b * haze)) * scattered)
+        channels.append(factor[k] * (1.0 + a * jnp.exp(b * haze)) * scattered)
     return jnp.stack(channels, axis=-1)

@@ -52,8 +52,10 @@ def lobe_mean(
     sideways = jnp.stack([-north, east, jnp.zeros_like(z)], axis=-1)
     up = jnp.stack([-z * east, -z * north, flat], axis=-1)
     turn = 2.0 * safe_sqrt(variance.astype(direction.dtype))[..., None]
-    total = 0.5 * radiance(direction)
-    for k in range(6):
-        tangent = math.cos(k * math.pi / 3) * sideways + math.sin(k * math.pi / 3) * up
-        total = total + radiance(jnp.cos(turn) * direction + jnp.sin(turn) * tangent) / 12.0
-    return total
+    around = [
+        jnp.cos(turn) * direction
+        + jnp.sin(turn) * (math.cos(k * math.pi / 3) * sideways + math.sin(k * math.pi / 3) * up)
+        for k in range(6)
+    ]
+    weights = jnp.asarray([1 / 2] + [1 / 12] * 6, direction.dtype)
+    return jnp.tensordot(weights, radiance(jnp.stack([direction, *around])), 1)
