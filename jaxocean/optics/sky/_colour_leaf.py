@@ -6,13 +6,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf, is_concrete
-from ..._types import FloatLike
+from ..._types import PerPattern
 from .._colour import luminance
 
 
-def as_colour(value: FloatLike) -> Float[Array, "..."]:
+def as_colour(value: PerPattern) -> Float[Array, "..."]:
     """Turn three numbers, or one number for all three channels, into a leaf (3,)."""
-    leaf = as_leaf(value)
+    leaf = as_leaf(jnp.asarray(value))
     return jnp.broadcast_to(leaf, (3,)) if leaf.ndim == 0 else leaf
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf
-from ..._types import FloatLike, Scalar
+from ..._types import PerPattern, Scalar
 from .._colour import XYZ_TO_SRGB, matching_weights
 from ._abstract import AbstractSky
 from ._beam import beam_irradiance, disc_radiance
@@ -18,8 +18,8 @@ from ._tables import WAVELENGTHS, tables
 from ._twilight import twilight
 
 
-def _albedo(value: FloatLike) -> Float[Array, "..."]:
-    leaf = as_leaf(value)
+def _albedo(value: PerPattern) -> Float[Array, "..."]:
+    leaf = as_leaf(jnp.asarray(value))
     return jnp.broadcast_to(leaf, WAVELENGTHS.shape) if leaf.ndim == 0 else leaf
 
 
