@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jaxocean as jo
+from jaxocean._elementary import exponential, inverse_root, reciprocal
 from jaxocean.filtering import Footprint, MomentPyramid
 from jaxocean.whitecaps import ExactClosure, FastClosure, StrainStatistics, footprint_statistics
 
@@ -51,3 +52,54 @@ def test_fast_coverage_has_derivatives_that_match_differences():
         ahead, behind = (coverage(1.0 + h * direction[0], 0.5 + h * direction[1]) for h in (1e-3, -1e-3))
         # The contour is held, so that both are right to the accuracy of W, not to rounding.
         np.testing.assert_allclose(derivative, (ahead - behind) / 2e-3, rtol=0.03)
+
+
+@pytest.mark.parametrize("measure", ["rest", "projected"])
+def test_nothing_is_nan_whatever_the_footprint(measure):
+    means = [(0, 0, 0), (-1, -1, 0), (-1, 0, 0), (3, -4, 2), (-0.5, 0, 0), (0, 0, 0), (0, 0, 0)]
+    roots = [np.zeros((3, 3)), np.zeros((3, 3)), np.diag([1e-9, 0, 0]), np.eye(3)]
+    roots += [
+        np.array([[0.3, 0, 0], [-0.3, 0, 0], [0.3, 0, 0]]),
+        np.diag([1e-3, 0, 0]),
+        np.diag([0.3, 0.2, 1e-6]),
+    ]
+    covariance = np.stack([root @ root.T for root in roots])
+    covariance[5, 2, 2] = -1e-9
+    stats = StrainStatistics(jnp.asarray(means, jnp.float32), jnp.asarray(covariance, jnp.float32))
+    closure = FastClosure(measure=measure)
+
+    for threshold in (-0.1, 0.0, 0.8):
+        coverage = closure(stats, jnp.float32(threshold))
+        assert bool(jnp.all((coverage >= 0) & (coverage <= (1 if measure == "rest" else jnp.inf))))
+    assert float(closure.log(StrainStatistics(stats.mean[0], stats.covariance[0]), 0.5)) == -np.inf
+
+
+def test_a_whole_sea_takes_a_batch_of_thresholds():
+    sea = jo.whitecaps.strain_statistics(jo.spectra.Elfouhaily(jo.Wind(12.0)), 1.0, band=(1e-3, 100.0))
+    levels = jnp.linspace(0.2, 0.8, 7)
+    exact, fast = ExactClosure()(sea, levels), FastClosure()(sea, levels)
+    assert fast.shape == (7,)
+    np.testing.assert_array_less(np.abs(fast - exact), np.maximum(0.02 * exact, 2e-5))
+    np.testing.assert_allclose(jax.vmap(lambda level: FastClosure()(sea, level))(levels), fast, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("mine", "theirs", "low", "high"),
+    [
+        (reciprocal, lambda x: 1 / x, 1e-30, 1e30),
+        (inverse_root, lambda x: 1 / np.sqrt(x), 1e-30, 1e30),
+        (exponential, np.exp, 1e-6, 80.0),
+        (lambda x: exponential(-x), lambda x: np.exp(-x), 1e-6, 80.0),
+    ],
+    ids=["reciprocal", "inverse-root", "exponential", "falling-exponential"],
+)
+def test_elementary_functions_are_good_to_single_precision(mine, theirs, low, high):
+    x = np.geomspace(low, high, 20001).astype(np.float32)
+    np.testing.assert_allclose(
+        mine(jnp.asarray(x)), theirs(x.astype(float)), rtol=4e-6 if high == 80 else 3e-7
+    )
+    middle = jnp.asarray(2.7, jnp.float64)
+    np.testing.assert_allclose(mine(middle), theirs(2.7), rtol=1e-14)
+    slope = (theirs(2.7 + 1e-5) - theirs(2.7 - 1e-5)) / 2e-5
+    np.testing.assert_allclose(jax.grad(mine)(middle), slope, rtol=1e-8)
+    np.testing.assert_allclose(jax.grad(mine)(jnp.asarray(2.7, jnp.float32)), slope, rtol=1e-5)
