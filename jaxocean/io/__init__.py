@@ -1,10 +1,16 @@
-"""Files in and out: measured spectra."""
+"""Files in and out: measured spectra, pictures, panoramas."""
 
 from ._dataset import SpectrumRecords as SpectrumRecords
 from ._dataset import WindOrigin as WindOrigin
 from ._dataset import spectrum_from_dataset as spectrum_from_dataset
 from ._dataset import wind_from_dataset as wind_from_dataset
 from ._dataset import wind_origin as wind_origin
+from ._exr import layer as layer
+from ._exr import read_exr as read_exr
+from ._exr import write_exr as write_exr
+from ._images import read_image as read_image
+from ._images import read_panorama as read_panorama
+from ._images import write_png as write_png
 from ._negative import AbstractNegativeCells as AbstractNegativeCells
 from ._negative import Clip as Clip
 from ._negative import ClipAndRenormalise as ClipAndRenormalise
