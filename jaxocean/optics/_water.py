@@ -99,7 +99,7 @@ class ConstantWater(AbstractWater):
 
 
 def diffuse_reflectance(fresnel: AbstractFresnel, dtype: jnp.dtype) -> Scalar:
-    """What a flat sea reflects of a uniform sky, ∫ F 2c dc [-]: 0.066 for sea water."""
+    """What a flat sea reflects of a uniform sky, ∫ F 2c dc [-]: 0.0675 for n = 1.34."""
     x, w = np.polynomial.legendre.leggauss(24)
     # Nodes in √c, since F is steep at grazing incidence.
     root = 0.5 * (x + 1.0)

@@ -3,7 +3,9 @@
 import abc
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Inexact
 
 from ..._elementary import inverse_root, reciprocal
@@ -35,7 +37,7 @@ def fresnel(
     c = jnp.clip(cos_incidence, 0.0, 1.0)
     n = jnp.asarray(refractive_index)
     if jnp.iscomplexobj(n):
-        return _absorbing(c, n.astype(jnp.result_type(c.dtype, jnp.complex64)))
+        return _absorbing(c, n.astype(np.result_type(c.dtype, np.complex64)))
     n = n.astype(c.dtype)
     square = n * n - 1.0 + c * c
     passes = square > 0.0
@@ -107,7 +109,8 @@ class ExactFresnel(AbstractFresnel):
     def __call__(self, cos_incidence: Float[Array, "*b"]) -> Float[Array, "*b"]:
         if self.extinction is None:
             return fresnel(cos_incidence, self.refractive_index)
-        return fresnel(cos_incidence, self.refractive_index + 1j * self.extinction)
+        extinction = self.extinction.astype(self.refractive_index.dtype)
+        return fresnel(cos_incidence, jax.lax.complex(self.refractive_index, extinction))
 
 
 class SchlickFresnel(AbstractFresnel):

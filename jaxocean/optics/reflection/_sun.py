@@ -9,11 +9,14 @@ from ._fresnel import AbstractFresnel, ExactFresnel
 from ._masking import HEIGHT_CORRELATED, AbstractMasking
 from ._slopes import bivariate_normal
 
-SUN_DISC = 1.4e-6
-"""Slope variance [-] that mirrors as wide as the sun's disc: its radius 4.7e-3 rad, squared, over 16."""
+SUN_VARIANCE = 5.47e-6
+"""Variance [rad²] of directions within the sun's disc along each axis: a quarter of its squared radius, 4.676 mrad."""
 
 RISE = 1e-3
 """Cosine [-] of the sun on the mean facet below which its light fades out: there the facets' shadow is unbounded."""
+
+UPRIGHT = 1e-3
+"""Least height [-] of V + L: facets that would be steeper than its inverse mirror nothing."""
 
 
 def sun_glitter(
@@ -29,8 +32,10 @@ def sun_glitter(
     $$ \\frac{L}{E} = \\frac{F(V·H)\\, p(ζ_H)}{4 H_z^4\\, (V_z - m·V_{xy})}\\, G $$
 
     with the half vector H = (V + L)/|V + L|, its slope ζ_H = −H_xy/H_z, the density p of slopes with the mean m of
-    the footprint, widened by the sun's disc, and the masking G. V_z − m·V_xy is the projected area of the mean facet;
-    without mean slope it is cosθ_V. Facets that are lit and seen only because others reflect on them are left out.
+    the footprint and the masking G. V_z − m·V_xy is the projected area of the mean facet; without mean slope it is
+    cosθ_V. The slopes are widened by those that mirror the rest of the sun's disc (1.4e-6 along the view, more across
+    it at grazing angles), a Gaussian of the same variance: a flat sea shows the sun twice as bright as it is, and as
+    much smaller. Light that is reflected twice is left out.
 
     **Arguments:** `to_viewer` V, unit vectors (*b, 3); `to_sun` L, a unit vector (3,); `slope` m and `covariance`:
     mean (*b, 2) and covariance (*b, 2, 2) of the slopes in the footprint; `fresnel`: reflectance of a facet,
@@ -46,15 +51,19 @@ def sun_glitter(
     seen = facing(to_viewer, slope, covariance)
     lit = facing(jnp.broadcast_to(sun, to_viewer.shape), slope, covariance)
     hx, hy, hz = (to_viewer[..., i] + sun[i] for i in range(3))
-    up = hz > 0.0
+    up = hz > UPRIGHT
     inverse = reciprocal(jnp.where(up, hz, 1.0))
     square = hx * hx + hy * hy + hz * hz
+    # The slope that mirrors L moves with L by −(dL_xy + ζ_H dL_z)/(V + L)_z; dL has the covariance I − L Lᵀ.
+    zx, zy = -hx * inverse, -hy * inverse
+    wx, wy = sun[0] + zx * sun[2], sun[1] + zy * sun[2]
+    disc = SUN_VARIANCE * inverse * inverse
     density = bivariate_normal(
-        hx * inverse + slope[..., 0],
-        hy * inverse + slope[..., 1],
-        covariance[..., 0, 0] + SUN_DISC,
-        covariance[..., 1, 1] + SUN_DISC,
-        0.5 * (covariance[..., 0, 1] + covariance[..., 1, 0]),
+        zx - slope[..., 0],
+        zy - slope[..., 1],
+        covariance[..., 0, 0] + disc * (1.0 + zx * zx - wx * wx),
+        covariance[..., 1, 1] + disc * (1.0 + zy * zy - wy * wy),
+        0.5 * (covariance[..., 0, 1] + covariance[..., 1, 0]) + disc * (zx * zy - wx * wy),
     )
     # |V + L| = 2 cosω
     square = jnp.where(up, square, 1.0)
