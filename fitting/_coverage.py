@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaxocean import Wind
-from jaxocean._numerics import is_concrete
+from jaxocean._numerics import check_kind, is_concrete
 from jaxocean._types import Scalar
 from jaxocean.whitecaps.laws import AbstractLaw, RangeWarning
 
@@ -64,6 +64,7 @@ class CoverageLaw(AbstractTarget):
     scatter: AbstractScatter
 
     def __init__(self, law: AbstractLaw, winds: Winds, scatter: Scatter = SCATTER) -> None:
+        check_kind("law", law, AbstractLaw, "a whitecap law such as `Monahan1980()`")
         self.law = law
         self.winds = as_winds(winds)
         self.scatter = as_scatter(scatter)

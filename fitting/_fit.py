@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray, PyTree, UInt32
 
 from jaxocean import Ocean
+from jaxocean._numerics import check_kind
 
 from ._failures import check_outcome, value_warnings
 from ._parameters import Parameter, split
@@ -69,6 +70,7 @@ def fit(
     if starts < 1:
         raise ValueError(f"Argument `starts` must be at least 1, but is {starts}.")
     solver = LevenbergMarquardt() if solver is None else solver
+    check_kind("solver", solver, AbstractSolver, "a solver such as `LevenbergMarquardt()`")
     named = flatten_targets(targets)
     names = unique_names(named)
     with jax.enable_x64(True):

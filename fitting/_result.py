@@ -139,7 +139,7 @@ class Fit:
 
     def summary(self) -> str:
         """The fit as a text of a few lines."""
-        lines = [f"{self.solver}: {self.steps} steps, {1e3 * self.seconds:.3g} ms, cost {self.cost:.4g}"]
+        lines = [f"{self.solver}: {self.steps} steps, {_duration(self.seconds)}, cost {self.cost:.4g}"]
         width = max(len(label) for label in self.labels)
         flat = [
             (value, error, parameter)
@@ -170,3 +170,7 @@ def _with_error(value: float, error: float) -> str:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else float(value)
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"

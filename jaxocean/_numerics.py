@@ -59,6 +59,23 @@ def check_scalar(
         raise ValueError(f"Argument `{name}` must be at most {maximum:g}{where}, but is {number:g}.")
 
 
+def check_kind(name: str, value: object, kind: type | tuple[type, ...], example: str) -> None:
+    """Raise one clear sentence if an argument is not the kind of object that it must be.
+
+    **Raises:** `ValueError` that names the argument, an example of what it must be, and what it is.
+    """
+    if not isinstance(value, kind):
+        shown = repr(value) if isinstance(value, (str, int, float)) else f"a {type(value).__name__}"
+        shown = f"the class {value.__name__} itself" if isinstance(value, type) else shown
+        raise ValueError(f"Argument `{name}` must be {example}, but is {shown}.")
+
+
+def check_last_axis(name: str, shape: tuple[int, ...], size: int, meaning: str) -> None:
+    """Raise one clear sentence if the last axis of an array is not of this size."""
+    if not shape or shape[-1] != size:
+        raise ValueError(f"Argument `{name}` must hold {meaning} on its last axis, but has shape {shape}.")
+
+
 def safe_sqrt(x: Float[Array, "*s"]) -> Float[Array, "*s"]:
     """√max(x, 0) whose derivative at x ≤ 0 is 0 instead of infinity."""
     positive = x > 0

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._constants import BREAKING_WAVENUMBER
-from .._numerics import as_leaf, check_scalar, optional_leaf
+from .._numerics import as_leaf, check_kind, check_scalar, optional_leaf
 from .._types import Scalar, ScalarLike
 from ..surface import Fields, Sea, pattern_choppiness
 from ..whitecaps import (
@@ -46,6 +46,9 @@ class Ocean(eqx.Module):
     breaking: AbstractBreaking = eqx.field(default=HardBreaking(), kw_only=True)
 
     def __check_init__(self) -> None:
+        check_kind("sea", self.sea, Sea, "a sea made by `surface.realise`")
+        check_kind("closure", self.closure, AbstractClosure, "a closure such as `ExactClosure()`")
+        check_kind("breaking", self.breaking, AbstractBreaking, "an indicator such as `HardBreaking()`")
         check_scalar("threshold", self.threshold, "")
         check_scalar("breaking_wavenumber", self.breaking_wavenumber, "rad/m", positive=True)
         pattern_choppiness(self.choppiness, self.sea.cascade.count)

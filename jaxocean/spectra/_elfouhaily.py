@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._constants import CAPILLARY_PHASE_SPEED, CAPILLARY_WAVENUMBER, GRAVITY
-from .._numerics import check_scalar, optional_leaf
+from .._numerics import check_kind, check_scalar, optional_leaf
 from .._types import Scalar
 from ..wind import Wind
 from ._spectrum import AbstractSpectrum, Harmonics, rotated_harmonics
@@ -46,6 +46,7 @@ class Elfouhaily(AbstractSpectrum):
     peak_enhancement: Scalar | None = eqx.field(converter=optional_leaf, default=None, kw_only=True)
 
     def __check_init__(self) -> None:
+        check_kind("wind", self.wind, Wind, "a `Wind`")
         if self.wind.fetch is not None and self.inverse_wave_age is not None:
             raise ValueError(
                 "Give exactly one of the wind's `fetch` and `inverse_wave_age`, but both are given."

@@ -78,6 +78,13 @@ class AbstractSpectrum(eqx.Module):
 
     __rmul__ = __mul__
 
+    def __truediv__(self, divisor: ScalarLike) -> "ScaledSpectrum":
+        return NotImplemented if isinstance(divisor, AbstractSpectrum) else ScaledSpectrum(self, 1 / divisor)
+
+    def __radd__(self, other: object) -> "AbstractSpectrum":
+        # `sum` starts with 0.
+        return self if isinstance(other, int) and other == 0 else NotImplemented
+
 
 class SumSpectrum(AbstractSpectrum):
     """Two independent wave systems on one sea: Ψ = Ψ₁ + Ψ₂ [m⁴]."""

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax.scipy.special import ndtr
 from jaxtyping import Array, Bool, Float
 
-from .._numerics import as_leaf, check_scalar
+from .._numerics import as_leaf, check_last_axis, check_scalar
 from .._types import FloatLike, Scalar
 
 
@@ -20,8 +20,11 @@ def jacobian(strain: Float[Array, "*b 3"]) -> Float[Array, "*b"]:
 
     **Returns:** j [-].
 
+    **Raises:** `ValueError` unless the last axis holds three numbers.
+
     **Source:** Dupuy & Bruneton 2012, eq. 4 with the lower-right entry 1 + Σλ∂v/∂y.
     """
+    check_last_axis("strain", strain.shape, 3, "(a, b, c)")
     a, b, c = strain[..., 0], strain[..., 1], strain[..., 2]
     return (1 + a) * (1 + b) - c * c
 

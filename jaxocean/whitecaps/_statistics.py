@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._numerics import as_leaf, leaf_dtype
+from .._numerics import as_leaf, check_scalar, leaf_dtype
 from .._types import PerPattern, Scalar, ScalarLike
 from ..spectra import AbstractSpectrum, Harmonics, band_quadrature, breaking_filter
 from ..surface import Cascade, pattern_choppiness
@@ -117,6 +117,9 @@ def strain_statistics(
     dtype = leaf_dtype(spectrum)
     lam = pattern_choppiness(choppiness, len(bands)).astype(dtype)
     limit = None if breaking_wavenumber is None else as_leaf(breaking_wavenumber).astype(dtype)
+    check_scalar("breaking_wavenumber", limit, "rad/m", positive=True)
+    # A fit that strays must not take the mirror image of its way for an answer.
+    limit = None if limit is None else jnp.where(limit > 0, limit, jnp.nan)
     return _integrate(spectrum, lam, bands, limit)
 
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._constants import GRAVITY, KNOT, VON_KARMAN
-from .._numerics import as_leaf, check_scalar, optional_leaf
+from .._numerics import as_leaf, check_kind, check_scalar, optional_leaf
 from .._types import FloatLike, Scalar, ScalarLike
 from ._drag import AbstractDrag, ElfouhailyDrag
 
@@ -37,6 +37,7 @@ class Wind(eqx.Module):
     drag: AbstractDrag = eqx.field(default=ElfouhailyDrag(), kw_only=True)
 
     def __check_init__(self) -> None:
+        check_kind("drag", self.drag, AbstractDrag, "a drag law such as `ElfouhailyDrag()` or `WuDrag()`")
         check_scalar("speed", self.speed, "m/s", minimum=0.0)
         check_scalar("direction", self.direction, "rad")
         check_scalar("fetch", self.fetch, "m", positive=True)

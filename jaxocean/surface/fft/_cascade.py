@@ -43,6 +43,10 @@ class Cascade:
         resolution: int = 256,
         bands: Sequence[Sequence[float | int]] | None = None,
     ) -> None:
+        if not np.iterable(sizes):
+            raise ValueError(
+                f"Argument `sizes` must hold one size [m] per pattern, but is {sizes}: write ({sizes},)."
+            )
         sizes = tuple(float(size) for size in sizes)
         _check_sizes(sizes)
         _check_resolution(resolution)

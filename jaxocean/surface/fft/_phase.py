@@ -35,6 +35,10 @@ def split_time(time: ScalarLike, repeat_period: float | None, dtype: jnp.dtype) 
 
     A plain Python number is split in double precision, before it becomes an array.
     """
+    if np.ndim(time) != 0:
+        raise ValueError(
+            f"Argument `time` must be one number, but has shape {np.shape(time)}: batch with `jax.vmap`."
+        )
     if isinstance(time, jax.Array):
         return _split_array(time, repeat_period, jnp.dtype(dtype))
     seconds = float(time)

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
+from ..._numerics import check_last_axis
 from .._protocol import Points
 from ._cascade import Cascade
 from ._cells import lattice_indices
@@ -20,6 +21,8 @@ def reduce_points(p: Points, cascade: Cascade, dtype: jnp.dtype) -> Float[Array,
     A NumPy array is reduced in float64 before it is rounded to the sea's type: far from the origin the
     difference is visible.
     """
+    p = p if isinstance(p, jax.Array) else np.asarray(p)
+    check_last_axis("p", p.shape, 2, "places (x, y)")
     shape = (cascade.count,) + (1,) * p.ndim
     if isinstance(p, np.ndarray):
         sizes = np.asarray(cascade.sizes).reshape(shape)

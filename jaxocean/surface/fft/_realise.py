@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, PRNGKeyArray, UInt32
 
-from ..._numerics import leaf_dtype, safe_sqrt
+from ..._numerics import check_kind, leaf_dtype, safe_sqrt
 from ...spectra import AbstractSpectrum, Dispersion
 from ._cascade import Cascade
 from ._cells import cell_energy
@@ -48,6 +48,8 @@ def realise(
     **Raises:** `ValueError` unless exactly one of `key` and `noise` is given; for a noise of the wrong
     shape or a repeat period that is not positive.
     """
+    check_kind("spectrum", spectrum, AbstractSpectrum, "a spectrum such as `Elfouhaily(wind)`")
+    check_kind("cascade", cascade, Cascade, "a `Cascade`")
     if noise is None:
         if key is None:
             raise ValueError("Give exactly one of `key` and `noise`, but neither is given.")

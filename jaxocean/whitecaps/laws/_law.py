@@ -10,7 +10,7 @@ import numpy as np
 from equinox import AbstractClassVar
 from jaxtyping import Array, Bool, Float
 
-from ..._numerics import is_concrete
+from ..._numerics import check_kind, is_concrete
 from ..._types import Scalar
 from ...wind import Wind
 
@@ -61,6 +61,7 @@ class AbstractLaw(eqx.Module):
         return (wind.speed >= lower) & (wind.speed <= upper)
 
     def _warn(self, wind: Wind) -> None:
+        check_kind("wind", wind, Wind, "a `Wind`")
         if not is_concrete(wind.speed):
             return
         lower, upper = self.range
