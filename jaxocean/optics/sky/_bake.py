@@ -1,13 +1,11 @@
 """Any sky as an image."""
 
-import math
-
 import jax.numpy as jnp
-import numpy as np
 
 from ..._numerics import leaf_dtype, safe_angle, safe_divide, safe_norm
 from ._abstract import AbstractSky
 from ._image import ImageSky
+from ._panorama import pixel_directions
 from ._sun import visible_fraction
 
 
@@ -23,18 +21,7 @@ def bake(sky: AbstractSky, rows: int = 256) -> ImageSky:
     """
     if rows < 2 or rows % 2:
         raise ValueError(f"Argument `rows` must be even and at least 2, but is {rows}.")
-    dtype = leaf_dtype(sky)
-    zenith = math.pi * (np.arange(rows // 2) + 0.5) / rows
-    azimuth = 2.0 * math.pi * (0.75 - (np.arange(2 * rows) + 0.5) / (2 * rows))
-    nodes = np.stack(
-        [
-            np.sin(zenith)[:, None] * np.cos(azimuth),
-            np.sin(zenith)[:, None] * np.sin(azimuth),
-            np.broadcast_to(np.cos(zenith)[:, None], (rows // 2, 2 * rows)),
-        ],
-        axis=-1,
-    )
-    upper = sky.radiance(jnp.asarray(nodes, dtype))
+    upper = sky.radiance(pixel_directions(rows, leaf_dtype(sky)))
     x, y, z = sky.sun_direction
     elevation = safe_angle(safe_norm(x, y), z)
     # An `ImageSky` lets its sun set by itself; what is left of the beam here has set already.

@@ -8,21 +8,10 @@ from jaxtyping import Array, Float
 
 from ..._numerics import safe_sqrt
 from ..._types import Scalar
+from ._angles import angle_between
 
 LOWEST = 1e-4
 """Below this elevation [rad] a parabola replaces the cube root, whose derivative at the horizon is infinite."""
-
-ARCCOSINE = (
-    1.5707963050,
-    -0.2145988016,
-    0.0889789874,
-    -0.0501743046,
-    0.0308918810,
-    -0.0170881256,
-    0.0066700901,
-    -0.0012624911,
-)
-"""arccos x = √(1 − x) Σ a_i x^i on [0, 1] within 2e-8 rad (Abramowitz & Stegun 1964, 4.4.46)."""
 
 
 def elevation_coordinate(elevation: Scalar) -> Scalar:
@@ -63,21 +52,6 @@ def coefficients(
     x = elevation_coordinate(elevation).astype(both.dtype)
     bernstein = jnp.stack([math.comb(5, i) * x**i * (1.0 - x) ** (5 - i) for i in range(6)])
     return jnp.tensordot(bernstein, control, 1)
-
-
-def angle_between(half_square: Float[Array, "*b"]) -> Float[Array, "*b"]:
-    """Angle [rad] between unit vectors a and b from h = |a − b|²/2 = 1 − cos; its derivative is finite everywhere.
-
-    A polynomial, because the library's arccosine costs more than all the rest of the dome.
-    """
-    cosine = 1.0 - half_square
-    behind = cosine < 0.0
-    x = jnp.abs(cosine)
-    polynomial = jnp.full_like(x, ARCCOSINE[-1])
-    for coefficient in reversed(ARCCOSINE[:-1]):
-        polynomial = polynomial * x + coefficient
-    angle = safe_sqrt(jnp.where(behind, 2.0 - half_square, half_square)) * polynomial
-    return jnp.where(behind, math.pi - angle, angle)
 
 
 def dome_radiance(

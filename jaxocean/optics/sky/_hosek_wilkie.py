@@ -7,10 +7,13 @@ from ..._numerics import as_leaf
 from ..._types import Scalar
 from ._abstract import AbstractSky
 from ._beam import beam_irradiance, disc_radiance
+from ._blur import ROWS
 from ._clear import check_clear
 from ._colour_leaf import as_colour
 from ._dome import coefficients, dome_radiance
-from ._quadrature import dome_irradiance, lobe_mean
+from ._lobes import lobe_mean
+from ._panorama import pixel_directions
+from ._quadrature import dome_irradiance
 from ._spectral_hosek_wilkie import to_srgb
 from ._sun import direction_of
 from ._tables import tables
@@ -74,7 +77,8 @@ class HosekWilkie(AbstractSky):
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:
-        return lobe_mean(self.radiance, direction, variance)
+        panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
+        return lobe_mean(self.radiance(direction), panorama, direction, variance)
 
     def irradiance(self) -> Float[Array, "3"]:
         return dome_irradiance(self.radiance, self.sun_azimuth)

@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._numerics import as_leaf, check_scalar, is_concrete, safe_angle
+from ..._numerics import as_leaf, check_scalar, is_concrete
 from ..._types import Scalar
 from ._abstract import AbstractSky
-from ._blur import VARIANCES, blurred_levels
 from ._colour_leaf import as_colour, check_colour
-from ._dome import angle_between
+from ._lobes import lobe_mean
+from ._panorama import look_up, place
 from ._sun import direction_of, visible_fraction
 
 
@@ -72,29 +72,14 @@ class ImageSky(AbstractSky):
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         upper = self._upper(direction.dtype)
-        down, across = self._place(direction)
-        return _bilinear(upper, jnp.zeros(down.shape, jnp.int32), upper.shape[0], down, across)
+        return look_up(upper, *place(direction, self.rotation))
 
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:
-        """As in `AbstractSky`; between the levels it is linear in the variance, and above the widest it stays."""
         upper = self._upper(direction.dtype)
-        levels = blurred_levels(upper)
-        count, rows = levels.shape[0], levels.shape[1]
-        atlas = levels.reshape(count * rows, *levels.shape[2:])
-        down, across = self._place(direction)
-        variances = jnp.asarray(np.concatenate([[0.0], VARIANCES]), direction.dtype)
-        spread = jnp.clip(variance.astype(direction.dtype), 0.0, variances[-1])
-        # Level 0 is the image itself, level k + 1 the k-th of the atlas.
-        first = jnp.clip(jnp.floor(jnp.log2(jnp.maximum(spread, 1e-9) / variances[1])), -1.0, count - 2.0)
-        lower = first.astype(jnp.int32) + 1
-        share = (spread - variances[lower]) / (variances[lower + 1] - variances[lower])
-        sharp = _bilinear(upper, jnp.zeros_like(lower), upper.shape[0], down, across)
-        narrow = _bilinear(atlas, jnp.maximum(lower - 1, 0), rows, down, across)
-        wide = _bilinear(atlas, lower, rows, down, across)
-        start = jnp.where((lower == 0)[..., None], sharp, narrow)
-        return start + share[..., None] * (wide - start)
+        sharp = look_up(upper, *place(direction, self.rotation))
+        return lobe_mean(sharp, upper, direction, variance, self.rotation)
 
     def irradiance(self) -> Float[Array, "3"]:
         upper = self._upper(self.image.dtype)
@@ -105,34 +90,3 @@ class ImageSky(AbstractSky):
         """The upper half of the image in units of radiance."""
         half = self.image[: self.image.shape[0] // 2]
         return (half * self.scale.astype(half.dtype)).astype(dtype)
-
-    def _place(self, direction: Float[Array, "*b 3"]) -> tuple[Float[Array, "*b"], Float[Array, "*b"]]:
-        """Where to look: the fraction of the way from the zenith to the horizon, and that across the image."""
-        x, y, z = direction[..., 0], direction[..., 1], jnp.abs(direction[..., 2])
-        half = 0.5 * (x * x + y * y + (1.0 - z) * (1.0 - z))
-        azimuth = safe_angle(x, y) - self.rotation.astype(direction.dtype)
-        turn = 0.75 - azimuth / (2.0 * math.pi)
-        return angle_between(half) * (2.0 / math.pi), turn - jnp.floor(turn)
-
-
-def _bilinear(
-    texture: Float[Array, "y x 3"],
-    page: jnp.ndarray,
-    rows: int,
-    down: Float[Array, "*b"],
-    across: Float[Array, "*b"],
-) -> Float[Array, "*b 3"]:
-    """Bilinear look-up in the `page`-th block of `rows` rows; columns wrap, rows stop at both ends."""
-    columns = texture.shape[1]
-    v = jnp.clip(down * rows - 0.5, 0.0, rows - 1.0)
-    u = across * columns - 0.5
-    top, left = jnp.clip(jnp.floor(v), 0.0, max(rows - 2.0, 0.0)), jnp.floor(u)
-    fv, fu = (v - top)[..., None], (u - left)[..., None]
-    row = top.astype(jnp.int32) + page * rows
-    below = row + (1 if rows > 1 else 0)
-    column = left.astype(jnp.int32) % columns
-    right = (column + 1) % columns
-    flat = texture.reshape(-1, 3)
-    upper = flat[row * columns + column] * (1.0 - fu) + flat[row * columns + right] * fu
-    lower = flat[below * columns + column] * (1.0 - fu) + flat[below * columns + right] * fu
-    return upper * (1.0 - fv) + lower * fv

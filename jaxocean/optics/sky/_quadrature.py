@@ -1,4 +1,4 @@
-"""Integrals over the dome and means over a lobe, by a few well-placed directions."""
+"""The integral over the dome, by a few well-placed directions."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._numerics import safe_divide, safe_sqrt
 from ..._types import Scalar
 
 HEIGHTS, HEIGHT_WEIGHTS = np.polynomial.legendre.leggauss(32)
@@ -33,29 +32,3 @@ def dome_irradiance(
     flat = jnp.sqrt(1.0 - q**4)
     nodes = jnp.stack([flat * jnp.cos(around), flat * jnp.sin(around), upward], axis=-1)
     return jnp.sum(weight[..., None] * radiance(nodes), axis=(0, 1))
-
-
-def lobe_mean(
-    radiance: Callable[[Float[Array, "*b 3"]], Float[Array, "*b c"]],
-    direction: Float[Array, "*b 3"],
-    variance: Float[Array, "*b"],
-) -> Float[Array, "*b c"]:
-    """Mean over a round Gaussian lobe by the rule of degree five: half at the axis, a twelfth at six directions 2σ off.
-
-    **Source:** Radon's seven points for a Gaussian weight in the plane, as in Stroud (1971), E₂^{r²}.
-    """
-    x, y, z = direction[..., 0], direction[..., 1], direction[..., 2]
-    flat = safe_sqrt(x * x + y * y)
-    overhead = flat < 1e-6
-    east = jnp.where(overhead, 1.0, safe_divide(x, flat))
-    north = jnp.where(overhead, 0.0, safe_divide(y, flat))
-    sideways = jnp.stack([-north, east, jnp.zeros_like(z)], axis=-1)
-    up = jnp.stack([-z * east, -z * north, flat], axis=-1)
-    turn = 2.0 * safe_sqrt(variance.astype(direction.dtype))[..., None]
-    around = [
-        jnp.cos(turn) * direction
-        + jnp.sin(turn) * (math.cos(k * math.pi / 3) * sideways + math.sin(k * math.pi / 3) * up)
-        for k in range(6)
-    ]
-    weights = jnp.asarray([1 / 2] + [1 / 12] * 6, direction.dtype)
-    return jnp.tensordot(weights, radiance(jnp.stack([direction, *around])), 1)

@@ -10,9 +10,12 @@ from ..._types import PerPattern, Scalar
 from .._colour import XYZ_TO_SRGB, matching_weights
 from ._abstract import AbstractSky
 from ._beam import beam_irradiance, disc_radiance
+from ._blur import ROWS
 from ._clear import check_clear
 from ._dome import coefficients, dome_radiance
-from ._quadrature import dome_irradiance, lobe_mean
+from ._lobes import lobe_mean
+from ._panorama import pixel_directions
+from ._quadrature import dome_irradiance
 from ._sun import direction_of
 from ._tables import WAVELENGTHS, tables
 from ._twilight import twilight
@@ -79,7 +82,8 @@ class SpectralHosekWilkie(AbstractSky):
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:
-        return lobe_mean(self.radiance, direction, variance)
+        panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
+        return lobe_mean(self.radiance(direction), panorama, direction, variance)
 
     def irradiance(self) -> Float[Array, "3"]:
         return dome_irradiance(self.radiance, self.sun_azimuth)
