@@ -54,7 +54,7 @@ def run(
     overrides: Overrides = None,
     force: Annotated[bool, typer.Option("--force", help="Repeat a run that is already finished.")] = False,
     output: Annotated[
-        str | None, typer.Option("--output", metavar="DIR", help="Folder for runs [runs].")
+        str | None, typer.Option("--output", metavar="DIR", help="Folder for runs; runs unless said.")
     ] = None,
 ) -> None:
     """Run an experiment, or find its finished run again."""

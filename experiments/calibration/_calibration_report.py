@@ -1,8 +1,13 @@
 """What `calibrate_monahan` says: tables, sentences, and the numbers for `result.json`."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..common import _build
+import fitting
+
+from ..common import _build, _markdown
+from ..harness._files import Files
 from ..harness._result import Result, Table
 from ._calibration_views import View, band_name, per_wind_threshold, table_choppiness
 
@@ -10,12 +15,12 @@ AGREEMENT = 3.0
 """Standard errors within which counted coverage must agree with the closure."""
 
 
-def report(view: View) -> Result:
-    """Tables, sentences and numbers of a calibration."""
+def report(store: Files, view: View) -> Result:
+    """Tables, sentences and numbers of a calibration, and `report.md`."""
     config = view.config
     limit = "none" if config.breaking_wavenumber is None else f"{config.breaking_wavenumber:.4g} rad/m"
     what = f"{config.measure} area, {band_name(config)}, k_b = {limit}"
-    tables = [_fit_table(view, what), _wind_table(view)]
+    tables = [_fit_table(view, what), _wind_table(view), _threshold_table(view)]
     if any(view.table.values()):
         tables.append(_limit_table(view))
     exact = view.calibrations["exact"]
@@ -48,7 +53,69 @@ def report(view: View) -> Result:
             "coverage_expected": view.check.expected,
             "deviations": view.check.deviations,
         }
-    return Result(values=values, tables=tables, notes=tuple(dict.fromkeys(notes)))
+    notes = list(dict.fromkeys(notes))
+    answer = [_threshold_words(view), _shape_words(view), *_limit_words(view)]
+    setting = f"{what}; the spectrum is {config.spectrum.family.replace('_', '-').title()}'s"
+    text = _markdown.page(
+        "ε and λ that make a simulated sea obey whitecap laws",
+        [*answer, *notes],
+        tables,
+        picture="calibration",
+        setting=setting,
+    )
+    store.text("report.md", text)
+    return Result(values=values, tables=tables, notes=notes)
+
+
+def _threshold_words(view: View) -> str:
+    """What was asked: the values that go into a simulation."""
+    config = view.config
+    exact, gaussian = (view.calibrations[name].shared for name in ("exact", "gaussian"))
+    known = [*config.laws, *(["the measured points"] if config.points.file is not None else [])]
+    parts = [f"ε = {_with_error(exact, 'threshold')}"]
+    if "choppiness" in exact.values:
+        parts.append(f"λ = {_with_error(exact, 'choppiness')}")
+    if "breaking_wavenumber" in exact.values:
+        parts.append(f"k_b = {_with_error(exact, 'breaking_wavenumber')} rad/m")
+    choppiness = "" if "choppiness" in exact.values else f" at λ = {config.choppiness:g}"
+    return (
+        f"One sea for winds from {config.wind.speed[0]:g} to {config.wind.speed[-1]:g} m/s comes nearest to "
+        f"{' and '.join(known)} with {', '.join(parts)}{choppiness} ({config.measure} area, exact closure). Were the "
+        f"Jacobian Gaussian, it would be ε = {_with_error(gaussian, 'threshold')}."
+    )
+
+
+def _shape_words(view: View) -> str:
+    """What one threshold cannot do, and what each wind would need."""
+    speeds, exact = view.config.wind.speed, view.calibrations["exact"]
+    rms = " and ".join(f"{target.rms:.2f} for {target.name}" for target in exact.shared.targets)
+    words = f"What one ε for all winds leaves is an RMS of log10 W of {rms}."
+    value, error = per_wind_threshold(exact.per_wind, speeds)
+    known = np.flatnonzero(np.isfinite(value))
+    if known.size < 2:
+        return words
+    first, last = known[0], known[-1]
+    return (
+        f"{words} Each wind by itself needs ε = {value[first]:.3f} ± {error[first]:.3f} at {speeds[first]:g} m/s and "
+        f"{value[last]:.3f} ± {error[last]:.3f} at {speeds[last]:g} m/s."
+    )
+
+
+def _limit_words(view: View) -> list[str]:
+    """That a threshold belongs to its band and its area."""
+    rows, other = view.table["projected"], view.table["rest"]
+    if not rows:
+        return []
+    (low, at_low, *_), (high, at_high, *_) = rows[0], rows[-1]
+    return [
+        f"ε belongs to its band: if foam sees waves up to k_b = {low:g} rad/m it is {at_low:.3f}, up to {high:g} rad/m "
+        f"{at_high:.3f} (projected area, λ = {table_choppiness(view.config):g}); and to its area: for the plane at "
+        f"rest it is {other[0][1]:.3f} and {other[-1][1]:.3f}."
+    ]
+
+
+def _with_error(fit: fitting.Fit, name: str) -> str:
+    return f"{float(fit.values[name]):.3f} ± {float(fit.errors[name]):.3f}"
 
 
 def _fit_table(view: View, what: str) -> Table:
@@ -68,18 +135,33 @@ def _wind_table(view: View) -> Table:
     series: list = [config.wind.speed]
     exact = view.calibrations["exact"]
     for name, target in zip(config.laws, exact.shared.targets, strict=False):
-        columns.append(f"W, {name}")
+        # Words wrap in a narrow column where a name would be cut.
+        columns.append(f"W, {name.replace('_', ' ')}")
         series.append(10**target.observed)
-    for name, calibration in view.calibrations.items():
-        columns.append(f"W, {name} fit")
-        series.append(view.coverage[name])
-        own = calibration.per_wind
-        columns.append(f"ε(U10), {name}")
-        series.append(per_wind_threshold(own, config.wind.speed)[0])
+    for name in view.calibrations:
+        columns += [f"W, {name} fit", _plus_minus(columns)]
+        series += [view.coverage[name], view.coverage[name] * view.spread[name]]
     if view.check is not None:
-        columns += ["W, FFT seas", "± ", "deviation (SE)"]
+        columns += ["W, FFT seas", _plus_minus(columns), "deviation (SE)"]
         series += [view.check.counted, view.check.error, view.check.deviations]
-    return Table("At each wind", columns, [tuple(map(float, row)) for row in zip(*series, strict=True)])
+    return Table("Coverage at each wind", columns, _rows(series))
+
+
+def _threshold_table(view: View) -> Table:
+    columns, series = ["U10 (m/s)"], [view.config.wind.speed]
+    for name, calibration in view.calibrations.items():
+        columns += [f"ε(U10), {name}", _plus_minus(columns)]
+        series += per_wind_threshold(calibration.per_wind, view.config.wind.speed)
+    return Table("A threshold for each wind", columns, _rows(series))
+
+
+def _rows(series: Sequence) -> list[tuple[float, ...]]:
+    return [tuple(map(float, row)) for row in zip(*series, strict=True)]
+
+
+def _plus_minus(columns: Sequence[str]) -> str:
+    """A heading of errors that is not there yet."""
+    return "±" + " " * sum(column.startswith("±") for column in columns)
 
 
 def _limit_table(view: View) -> Table:

@@ -1,4 +1,4 @@
-"""Pictures and data of `calibrate_monahan`."""
+"""The picture of `calibrate_monahan`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import fitting
 
 from .. import schema
 from ..common import _build, _plots
-from ..harness._files import Files, variable
+from ..harness._files import Files
 
 COLOURS = {"exact": _plots.BLUE, "gaussian": _plots.VERMILION}
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "h", "d")
@@ -26,6 +26,8 @@ class View:
     calibrations: Mapping[str, Any]
     table: Mapping[str, Sequence[tuple[float, float, float, float]]]
     check: Any
+    spread: Mapping[str, np.ndarray]
+    """Standard error of ln W of each closure's shared fit at the config's winds."""
 
     @cached_property
     def coverage(self) -> dict[str, np.ndarray]:
@@ -92,6 +94,13 @@ def _plot_coverage(ax, view: View) -> None:
             target.speeds, 10**target.observed, mark, color=_plots.BLACK, mfc="none", ms=6, label=target.name
         )
     for name, style in (("exact", "-"), ("gaussian", "--")):
+        if name == "exact":
+            # One band is enough to see: the other is as wide.
+            factor = np.exp(view.spread[name])
+            band = (view.coverage[name] / factor, view.coverage[name] * factor)
+            ax.fill_between(
+                speeds, *band, color=COLOURS[name], alpha=0.25, lw=0, label="± its standard error"
+            )
         ax.plot(speeds, view.coverage[name], style, color=COLOURS[name], label=f"{name} closure, fitted")
     if view.check is not None:
         ax.errorbar(
@@ -156,55 +165,4 @@ def _plot_limits(ax, view: View) -> None:
         xlabel="breaking wavenumber k_b (rad/m)",
         ylabel="breaking threshold ε (-)",
         title=f"ε means nothing without its band (λ = {lam:g})",
-    )
-
-
-def save(store: Files, view: View) -> None:
-    """The numbers of the figure as CF netCDF."""
-    speeds = np.asarray(view.config.wind.speed)
-    variables = {}
-    for name, calibration in view.calibrations.items():
-        value, error = per_wind_threshold(calibration.per_wind, view.config.wind.speed)
-        variables[f"coverage_{name}"] = variable(
-            "wind_speed",
-            view.coverage[name],
-            units="1",
-            long_name=f"whitecap coverage of the fit, {name} closure",
-        )
-        variables[f"threshold_{name}"] = variable(
-            "wind_speed", value, units="1", long_name=f"breaking threshold of each wind, {name} closure"
-        )
-        variables[f"threshold_error_{name}"] = variable(
-            "wind_speed",
-            error,
-            units="1",
-            long_name=f"standard error of the breaking threshold, {name} closure",
-        )
-    if view.check is not None:
-        variables["coverage_counted"] = variable(
-            "wind_speed", view.check.counted, units="1", long_name="whitecap coverage counted on FFT seas"
-        )
-        variables["coverage_counted_error"] = variable(
-            "wind_speed", view.check.error, units="1", long_name="standard error of the counted coverage"
-        )
-    for target in view.calibrations["exact"].shared.targets:
-        if target.speeds.size == speeds.size:
-            key = "law_" + "".join(c if c.isalnum() else "_" for c in target.name.lower())
-            variables[key] = variable(
-                "wind_speed", 10**target.observed, units="1", long_name=f"whitecap coverage, {target.name}"
-            )
-    wind = variable(
-        "wind_speed", speeds, units="m s-1", long_name="wind speed at 10 m", standard_name="wind_speed"
-    )
-    limit = view.config.breaking_wavenumber
-    store.data(
-        "calibration",
-        variables,
-        {"wind_speed": wind},
-        title="Calibration of a breaking threshold to whitecap laws",
-        attributes={
-            "area_measure": view.config.measure,
-            "band": band_name(view.config),
-            "breaking_wavenumber": "none" if limit is None else f"{limit:.6g} rad/m",
-        },
     )

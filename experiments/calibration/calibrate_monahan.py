@@ -20,17 +20,21 @@ from jaxocean.whitecaps.laws import RangeWarning
 
 from .. import schema
 from ..common import _build
-from ..common._columns import read_columns
+from ..common._columns import Allowed, read_columns
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
-from . import _calibration_report, _calibration_views
+from . import _calibration_data, _calibration_report, _calibration_views
+from ._calibration_views import View
 
 CLOSURES = {"exact": jo.whitecaps.ExactClosure, "gaussian": jo.whitecaps.GaussianClosure}
 MEASURES: tuple[Measure, ...] = ("projected", "rest")
 BATCH = 8
 MEMORY, BYTES = 5e8, 8
 """Bytes for the noise of the seas that are drawn at once, and for one of its complex numbers."""
+
+LEAVES = ("threshold", "choppiness", "breaking_wavenumber")
+"""Leaves of the model that a shared fit may move."""
 
 FIXED = 1e-4
 """Deviation of the prior on a choppiness that is not to move."""
@@ -62,12 +66,11 @@ def run(config: schema.CalibrationConfig, progress: Reporter, store: Files) -> R
     """Calibrate a sea to whitecap laws; see `schema.CalibrationConfig`."""
     with jax.enable_x64(True):
         targets = _targets(config)
-    calibrations, table, check = _compute(config, targets, progress)
+    view = _compute(config, targets, progress)
     progress.step("Drawing")
-    view = _calibration_views.View(config, calibrations, table, check)
     _calibration_views.plot(store, view)
-    _calibration_views.save(store, view)
-    return _calibration_report.report(view)
+    _calibration_data.save(store, view)
+    return _calibration_report.report(store, view)
 
 
 def _targets(config: schema.CalibrationConfig) -> list[fitting.AbstractTarget]:
@@ -81,7 +84,7 @@ def _targets(config: schema.CalibrationConfig) -> list[fitting.AbstractTarget]:
             fitting.CoverageLaw(_build.law(name), winds, scatter) for name in config.laws
         ]
     if config.points.file is not None:
-        columns = read_columns(config.points.file, (config.points.wind, config.points.coverage))
+        columns = _points(config.points)
         points = fitting.CoveragePoints.from_columns(
             columns,
             wind=config.points.wind,
@@ -91,6 +94,19 @@ def _targets(config: schema.CalibrationConfig) -> list[fitting.AbstractTarget]:
         )
         targets.append(eqx.tree_at(lambda p: p.winds, points, _winds(config, np.asarray(points.winds.speed))))
     return targets
+
+
+def _points(points: schema.PointsConfig) -> dict[str, list[float]]:
+    """Measured winds and coverage; what cannot be true is named with its line."""
+    assert points.file is not None
+    if points.percent:
+        share = Allowed("percentages greater than 0 and at most 100", 100.0)
+    else:
+        share = Allowed("fractions greater than 0 and at most 1 (points.percent=true: percentages)", 1.0)
+    speed = Allowed("a wind speed greater than 0 m/s")
+    return read_columns(
+        points.file, (points.wind, points.coverage), {points.wind: speed, points.coverage: share}
+    )
 
 
 def _winds(config: schema.CalibrationConfig, speeds: np.ndarray) -> jo.Wind:
@@ -142,6 +158,29 @@ def _free(config: schema.CalibrationConfig, deviation: float) -> list[fitting.Pa
     return free
 
 
+def _spread(config: schema.CalibrationConfig, shared: "Future[fitting.Fit]") -> np.ndarray:
+    """Standard error of ln W at each of the config's winds, from the covariance of the shared fit."""
+    fit = shared.result()
+    names = [name for name in LEAVES if name in fit.labels]
+    order = [fit.labels.index(name) for name in names]
+    slopes = _slopes(fit.model, tuple(names), _winds(config, np.asarray(config.wind.speed)))
+    d = np.stack([np.asarray(slopes[name]) for name in names], axis=-1)
+    return np.sqrt(np.einsum("ui,ij,uj->u", d, fit.covariance[np.ix_(order, order)], d))
+
+
+@eqx.filter_jit
+def _slopes(model: fitting.SpectralModel, names: tuple[str, ...], winds: jo.Wind) -> dict[str, Array]:
+    """Derivatives of ln W by some leaves of a model, at each wind."""
+
+    def log_coverage(leaves: dict[str, Array]) -> Array:
+        changed = eqx.tree_at(
+            lambda m: [getattr(m, name) for name in names], model, [leaves[n] for n in names]
+        )
+        return eqx.filter_vmap(changed.log_coverage)(winds)
+
+    return jax.jacfwd(log_coverage)({name: getattr(model, name) for name in names})
+
+
 def _limits(config: schema.CalibrationConfig) -> list[float]:
     """The breaking wavenumbers of the table that the sea's waves reach."""
     highest = _build.cascade(config.cascade).wavenumber_limit if config.band is None else config.band[1]
@@ -163,13 +202,11 @@ def _threshold_row(
     return rows
 
 
-def _compute(
-    config: schema.CalibrationConfig, targets: list, progress: Reporter
-) -> tuple[dict[str, Calibration], dict[str, list], Check | None]:
+def _compute(config: schema.CalibrationConfig, targets: list, progress: Reporter) -> View:
     """All fits, and the check, side by side: most of a first fit is compilation, which keeps one core busy."""
     limits = _limits(config)
     checked = config.realisations > 0 and config.band is None
-    parts = 2 * len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
+    parts = 3 * len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
     advance = progress.count("Fitting, and counting whitecaps on FFT seas" if checked else "Fitting", parts)
 
     def double(task: Callable, *arguments: Any) -> Any:
@@ -187,9 +224,11 @@ def _compute(
         for measure in sorted(MEASURES, key=lambda m: m == config.measure) if limits else ():
             rows[measure] = executor.submit(double, _threshold_row, config, measure, limits, targets)
         fits = {name: executor.submit(double, _fit_each, config, shared[name], targets) for name in CLOSURES}
+        spreads = {name: executor.submit(double, _spread, config, shared[name]) for name in CLOSURES}
         check = seas.check(shared["exact"].result(), advance) if seas else None
         calibrations = {name: future.result() for name, future in fits.items()}
-        return calibrations, {m: rows[m].result() if m in rows else [] for m in MEASURES}, check
+        table = {m: rows[m].result() if m in rows else [] for m in MEASURES}
+        return View(config, calibrations, table, check, {name: s.result() for name, s in spreads.items()})
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from .. import schema
-from ..common import _build
+from ..common import _build, _markdown
+from ..harness._files import Files
 from ..harness._result import Result, Table
 from ._gaussian_views import Comparison
 
@@ -11,14 +12,27 @@ SHOWN = (0.3, 0.5, 0.7)
 """The table has the thresholds nearest to these."""
 
 
-def report(seas: list[Comparison], config: schema.GaussianVsMonteCarloConfig) -> Result:
-    """Result, tables and the answer in words."""
+def report(store: Files, seas: list[Comparison], config: schema.GaussianVsMonteCarloConfig) -> Result:
+    """Result, tables and the answer in words, and `report.md`."""
     verdicts = {
         ("exact", "monte_carlo"): _verdict(seas, config, "exact", "monte_carlo"),
         ("gaussian", "monte_carlo"): _verdict(seas, config, "gaussian", "monte_carlo"),
         ("exact", "fft"): _verdict(seas, config, "exact", "fft"),
         ("gaussian", "fft"): _verdict(seas, config, "gaussian", "fft"),
     }
+    tables = (_ratio_table(seas, config), _coverage_table(seas, config), _verdict_table(verdicts, config))
+    notes = _notes(seas, verdicts, config)
+    limit = (
+        "no low-pass"
+        if config.breaking_wavenumber is None
+        else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
+    )
+    setting = (
+        f"{config.measure} area, λ = {np.array2string(np.asarray(config.choppiness))}, {limit}, "
+        f"{seas[0].draws.total:,} draws and {config.realisations} FFT seas at each wind"
+    )
+    text = _markdown.page("Is the Jacobian Gaussian?", notes, tables, picture="coverage", setting=setting)
+    store.text("report.md", text + "\n\n![densities of j](densities.png)")
     return Result(
         values={
             "measure": config.measure,
@@ -31,8 +45,8 @@ def report(seas: list[Comparison], config: schema.GaussianVsMonteCarloConfig) ->
             "seas": [_values(sea, config) for sea in seas],
             "agreement": {f"{closure}_with_{counted}": v for (closure, counted), v in verdicts.items()},
         },
-        tables=(_ratio_table(seas, config), _coverage_table(seas, config), _verdict_table(verdicts, config)),
-        notes=_notes(seas, verdicts, config),
+        tables=tables,
+        notes=notes,
     )
 
 

@@ -40,7 +40,7 @@ def run(config: schema.GaussianVsMonteCarloConfig, progress: Reporter, store: Fi
     _gaussian_views.plot_coverage(store, seas, config)
     _gaussian_views.plot_densities(store, seas, centres)
     _gaussian_views.save(store, seas, centres, config)
-    return _gaussian_report.report(seas, config)
+    return _gaussian_report.report(store, seas, config)
 
 
 def _statistics(config: schema.GaussianVsMonteCarloConfig, speed: float) -> jo.whitecaps.StrainStatistics:

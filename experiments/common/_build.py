@@ -195,6 +195,8 @@ SOLVERS: dict[str, Callable[[], fitting.AbstractSolver]] = {
     "gauss_newton": fitting.GaussNewton,
     "dogleg": fitting.Dogleg,
     "bfgs": fitting.BFGS,
+    "lbfgs": fitting.LBFGS,
+    "nelder_mead": fitting.NelderMead,
 }
 
 

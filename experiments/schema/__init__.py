@@ -6,6 +6,7 @@ from ._base import key as key
 from ._base import wrong as wrong
 from ._calibration import CalibrationConfig as CalibrationConfig
 from ._calibration import LawName as LawName
+from ._calibration import PointsConfig as PointsConfig
 from ._calibration import WindsConfig as WindsConfig
 from ._coverage import CoverageConfig as CoverageConfig
 from ._dupuy import SCENES as SCENES

@@ -95,7 +95,7 @@ class CalibrationConfig(ExperimentConfig):
     breaking_wavenumber: float | None = breaking_wavenumber_key()
     free: FreeConfig = key(FreeConfig(), meaning="what is fitted besides ε")
     scatter: float = key(0.5, unit="-", meaning="σ of log10 W around a law", gt=0, le=5)
-    solver: Literal["levenberg_marquardt", "gauss_newton", "dogleg", "bfgs"] = key(
+    solver: Literal["levenberg_marquardt", "gauss_newton", "dogleg", "bfgs", "lbfgs", "nelder_mead"] = key(
         "levenberg_marquardt", meaning="optimiser"
     )
     starts: int = key(1, meaning="starting points of the shared fits", ge=1, le=100)

@@ -1,12 +1,15 @@
 """`calibrate_monahan` from its config to its files, on a small cascade."""
 
 import json
+import typing
 
+import jax
 import numpy as np
 import pytest
 import xarray as xr
 
 import fitting
+import jaxocean as jo
 from experiments import schema
 from experiments.common import _build
 from experiments.harness._errors import UserError
@@ -58,11 +61,64 @@ def test_run_leaves_data_with_units_and_a_picture(run):
         assert data["wind_speed"].attrs["units"] == "m s-1"
         assert data.attrs["area_measure"] == "projected"
         assert np.all(np.isfinite(data["coverage_exact"]))
+        assert data["monahan_1980"].dims == ("wind_speed",)
     assert (run.folder / "calibration.png").stat().st_size > 20_000
 
 
-def test_every_law_of_the_schema_can_be_built():
+def test_table_of_thresholds_against_breaking_wavenumbers_is_in_the_data(run, values):
+    with xr.open_dataset(run.folder / "calibration.nc") as data:
+        assert data["breaking_wavenumber"].values.tolist() == [2.5, 5.0]
+        for measure, rows in values["threshold_by_breaking_wavenumber"].items():
+            columns = [data[f"{name}_of_limit{end}_{measure}"] for name, end in (
+                ("threshold", ""), ("threshold", "_error"), ("rms", "")
+            )]  # fmt: skip
+            np.testing.assert_allclose(np.transpose(columns), np.asarray(rows)[:, 1:])
+
+
+def test_error_of_the_fitted_coverage_is_that_of_draws_from_the_covariance(run, values):
+    """Linear propagation against the model itself at other thresholds and choppinesses along the ridge."""
+    shared = values["exact"]["shared"]
+    at = {parameter["name"]: parameter["value"] for parameter in shared["parameters"]}
+    config = load("calibrate_monahan", SMALL).config
+    covariance = np.asarray(shared["covariance"])
+    variances, axes = np.linalg.eigh(covariance)
+    with jax.enable_x64(True):
+        wind = _build.wind(config.wind, speed=12.0)
+
+        def log_coverage(threshold, choppiness):
+            stats = jo.whitecaps.strain_statistics(
+                _build.spectrum(config.spectrum, wind),
+                choppiness,
+                cascade=_build.cascade(config.cascade),
+                breaking_wavenumber=5.0,
+            )
+            return float(jo.whitecaps.ExactClosure("projected").log(stats, threshold))
+
+        middle = np.array([at["threshold"], at["choppiness"]])
+        steps = [0.1 * np.sqrt(v) * axis for v, axis in zip(variances, axes.T, strict=True)]
+        halves = [5 * (log_coverage(*(middle + d)) - log_coverage(*(middle - d))) for d in steps]
+    with xr.open_dataset(run.folder / "calibration.nc") as data:
+        stated = float(data["coverage_exact_relative_error"].sel(wind_speed=12.0))
+    assert stated == pytest.approx(float(np.hypot(*halves)), rel=0.02)
+
+
+def test_report_states_the_fitted_values_in_words(run, values):
+    report = (run.folder / "report.md").read_text()
+    threshold, choppiness = values["exact"]["shared"]["parameters"]
+    assert f"ε = {threshold['value']:.3f} ± {threshold['error']:.3f}" in report
+    assert f"λ = {choppiness['value']:.3f} ± {choppiness['error']:.3f}" in report
+    assert "standard errors" in report
+    assert "![" in report
+    assert "…" not in run.summary()
+
+
+def test_every_law_and_solver_of_the_schema_can_be_built():
     assert set(_build.LAWS) == set(schema.LawName.__args__)
+    named = schema.CalibrationConfig.model_fields["solver"].annotation
+    assert set(_build.SOLVERS) == set(typing.get_args(named))
+    assert {type(_build.solver(name)) for name in _build.SOLVERS} == set(
+        fitting.AbstractSolver.__subclasses__()
+    )
 
 
 @pytest.mark.parametrize(
@@ -86,7 +142,9 @@ def test_bad_values_are_one_sentence(override, sentence):
         ("speed,coverage\n8,0.01\n", "must have a column `wind`"),
         ("wind,coverage\n8,much\n", "Line 2 of .* must hold a number"),
         ("", "is empty"),
-        ("wind,coverage\n8,1.5\n", "fractions"),
+        ("wind,coverage\n", "without rows"),
+        ("wind,coverage\n8,1.5\n", r"Line 2 of .*fractions .* holds 1\.5"),
+        ("wind,coverage\n8,0.01\n-4,0.02\n", "Line 3 of .*points.csv must hold a wind speed .* holds -4"),
     ],
 )
 def test_bad_measured_points_are_one_sentence_and_leave_nothing(tmp_path, text, sentence):

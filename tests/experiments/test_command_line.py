@@ -55,6 +55,11 @@ def test_version_is_that_of_the_project(tmp_path):
     assert jaxocean("--version", cwd=tmp_path).stdout.strip() == f"jaxocean {version()}"
 
 
+def test_help_says_where_runs_go(tmp_path):
+    shown = " ".join(jaxocean("run", "--help", cwd=tmp_path, COLUMNS="200").stdout.split())
+    assert "Folder for runs; runs unless said." in shown
+
+
 def test_list_names_every_config(tmp_path):
     listed = jaxocean("list", cwd=tmp_path).stdout
     names = [path.stem for path in (PROJECT / "configs").glob("*.yaml")]

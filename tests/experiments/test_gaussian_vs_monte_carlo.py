@@ -86,6 +86,15 @@ def test_the_answer_in_words_carries_the_numbers(finished):
     assert sea["published_variance"] < 0
 
 
+def test_report_states_the_answer_with_its_numbers_and_links_its_pictures(finished):
+    report = (finished.folder / "report.md").read_text()
+    sea = result_of(finished)["seas"][0]
+    assert f"{sea['gaussian_over_exact'][2]:.3g} times too high at 8 m/s" in report
+    assert "| undefined |" in report
+    for picture in finished.folder.glob("*.png"):
+        assert f"({picture.name})" in report
+
+
 def test_published_formula_is_the_gaussian_one_where_it_is_defined():
     statistics = jo.whitecaps.strain_statistics(
         jo.spectra.Elfouhaily(jo.Wind(15.0)), 2.0, cascade=jo.surface.Cascade(sizes=(37.0,), resolution=64)
