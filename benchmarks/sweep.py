@@ -30,7 +30,7 @@ KEYS = tuple(value.partition("=")[0] for value in VALUES)
 
 def run(*, quick: bool = False) -> None:
     """Print rates in points per second, side by side, and peak memory against the number of points."""
-    points = 20_000 if quick else 1_000_000
+    points = 10_000 if quick else 1_000_000
     workers = available_cores()
     bare_before = _bare(points // 10)
     with tempfile.TemporaryDirectory() as folder:
@@ -50,7 +50,7 @@ def run(*, quick: bool = False) -> None:
     Console(width=110).print(table)
     good = "yes" if 60 * whole >= LEAST and computing >= SHARE * bare else "NO"
     print(f"At least {LEAST:,} points/min as a whole and {SHARE:g} of the bare rate: {good}")
-    _memory((2_000, 20_000) if quick else (10_000, 200_000, 2_000_000), workers)
+    _memory((2_000,) if quick else (10_000, 200_000, 2_000_000), workers)
 
 
 def _bare(points: int) -> float:
