@@ -141,24 +141,24 @@ def test_a_lobe_of_no_width_is_the_radiance_and_the_widest_lobes_stay_finite():
 
 def test_lobes_on_a_clear_sky_are_gaussian_means_of_it():
     sky = HosekWilkie(3.0, 0.1, 0.6, 0.3)
-    axes = jnp.asarray(directions(30, seed=6) * [1, 1, 0.5] + [0, 0, 0.9])
+    axes = jnp.asarray(directions(12, seed=6) * [1, 1, 0.5] + [0, 0, 0.9])
     axes = axes / jnp.linalg.norm(axes, axis=-1, keepdims=True)
     variance = 0.01
     # A dense polar rule for the Gaussian: exp(−r²/2s) r dr dφ / (2πs), r along great circles.
     r = 0.5 * (np.polynomial.legendre.leggauss(24)[0] + 1.0)
     weight = 0.5 * np.polynomial.legendre.leggauss(24)[1]
     radius = 4.5 * np.sqrt(variance) * r
-    weight = weight * 4.5 * np.sqrt(variance) * radius * np.exp(-(radius**2) / (2 * variance)) / variance / 24
-    expected = np.zeros((30, 3))
-    for turn in 2 * np.pi * np.arange(24) / 24:
+    weight = weight * 4.5 * np.sqrt(variance) * radius * np.exp(-(radius**2) / (2 * variance)) / variance / 16
+    expected = np.zeros((12, 3))
+    for turn in 2 * np.pi * np.arange(16) / 16:
         side = np.cross(axes, [0.3, -0.5, 0.8])
         side /= np.linalg.norm(side, axis=-1, keepdims=True)
         tangent = np.cos(turn) * side + np.sin(turn) * np.cross(axes, side)
         rays = np.cos(radius)[:, None, None] * np.asarray(axes) + np.sin(radius)[:, None, None] * tangent
         expected += np.tensordot(weight, np.asarray(look(sky, jnp.asarray(rays))), 1)
-    direct = look_wide(sky, axes, jnp.full(30, variance))
+    direct = look_wide(sky, axes, jnp.full(12, variance))
     np.testing.assert_allclose(direct, expected, rtol=0.02)
-    baked = look_wide(bake(sky, 128), axes, jnp.full(30, variance))
+    baked = look_wide(bake(sky, 128), axes, jnp.full(12, variance))
     np.testing.assert_allclose(baked, expected, rtol=0.02)
 
 
