@@ -1,6 +1,7 @@
 """A differentiable ocean: wind → spectrum → surface → whitecaps, and its gradient back."""
 
 from . import filtering as filtering
+from . import imagery as imagery
 from . import io as io
 from . import optics as optics
 from . import spectra as spectra

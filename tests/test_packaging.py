@@ -80,6 +80,8 @@ def test_the_wheel_carries_rooms_configs_licence_and_entry_point(wheel):
         assert f"experiments/configs/{config.name}" in names
     for room in ("jaxocean", "fitting", "experiments"):
         assert f"{room}/__init__.py" in names
+    for data in ("optics/cie_1931.csv", "optics/sky/hosek_wilkie.npz", "optics/sky/hosek_wilkie.txt"):
+        assert f"jaxocean/{data}" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not [name for name in names if name.startswith(("tests", "benchmarks", "docs"))]
 
