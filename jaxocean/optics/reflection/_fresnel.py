@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Inexact
 
-from ..._elementary import inverse_root, reciprocal
+from ..._elementary import inverse_root
 from ..._numerics import as_leaf, check_scalar, optional_leaf
 from ..._types import Scalar
 
@@ -43,11 +43,11 @@ def fresnel(
     passes = square > 0.0
     square = jnp.where(passes, square, 1.0)
     g = square * inverse_root(square)
-    # One quotient for both polarisations: a division costs as much as the rest.
+    # One quotient for both polarisations, and one of the library: XLA writes it to memory, and so computes it once.
     perpendicular, parallel = c * (g + c) - 1.0, c * (g - c) + 1.0
     numerator = (g - c) * (g - c) * (perpendicular * perpendicular + parallel * parallel)
-    inverse = reciprocal((g + c) * parallel)
-    reflected = 0.5 * numerator * inverse * inverse
+    denominator = (g + c) * (g + c) * parallel * parallel
+    reflected = 0.5 * numerator / denominator
     return jnp.where(passes, reflected, 1.0)
 
 

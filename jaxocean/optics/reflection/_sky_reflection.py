@@ -47,7 +47,8 @@ class AbstractSkyReflection(eqx.Module):
 class LobeReflection(AbstractSkyReflection):
     """One look-up in the sky, where the mean reflecting facet points, widened by the spread of the mirrored rays.
 
-    The mean facet is weighted by what the viewer sees of each facet and by what it reflects.
+    The mean facet is weighted by what the viewer sees of each facet and by what it reflects, the spread by the former
+    alone.
     """
 
     def __call__(
@@ -58,17 +59,23 @@ class LobeReflection(AbstractSkyReflection):
         sky: AbstractSky,
         fresnel: AbstractFresnel,
     ) -> SkyReflection:
+        seen = facing(to_viewer, slope, covariance)
         nodes = THREE_SLOPES.nodes(to_viewer, slope, covariance)
         parts = [node.weight * fresnel(node.cosine) for node in nodes]
-        reflectance = sum(parts[1:], start=parts[0])
-        inverse = reciprocal(jnp.maximum(reflectance, NOTHING))
-        shares = [part * inverse for part in parts]
-        x = _mean(shares, [node.x for node in nodes])
-        y = _mean(shares, [node.y for node in nodes])
-        cosine = _mean(shares, [node.cosine for node in nodes])
-        spread = _mean(shares, [(node.x - x) ** 2 + (node.y - y) ** 2 for node in nodes])
+        whole = sum(node.weight for node in nodes)
+        # Quotients of the library, here and below: XLA writes them to memory, and all that follows reads them.
+        reflectance = (parts[0] + parts[1] + parts[2]) / whole
+        steps = parts[0] * nodes[0].step + parts[1] * nodes[1].step + parts[2] * nodes[2].step
+        step = steps / jnp.maximum(reflectance, NOTHING)
+        turn_x, turn_y = seen.turn
+        x, y = slope[..., 0] - step * turn_x, slope[..., 1] - step * turn_y
+        area = seen.mean + step * seen.deviation
+        loose = nodes[0].loose
+        length = 1.0 + x * x + y * y + loose
+        shift = seen.below * seen.deviation / seen.area
+        spread = (turn_x * turn_x + turn_y * turn_y) * (2.0 - (seen.ratio + shift) * shift)
         # A facet that tilts by δ along the view turns the ray by 2δ, across it by 2δ cosω.
-        variance = 2.0 * (spread + cosine * cosine * nodes[0].loose)
+        variance = 2.0 * (spread * length + area * area * loose) / length
         radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), variance)
         return SkyReflection(reflectance, reflectance[..., None] * radiance)
 
@@ -128,15 +135,13 @@ class BrunetonReflection(AbstractSkyReflection):
         return SkyReflection(reflectance, reflectance[..., None] * radiance)
 
 
-def _mean(shares: list[Array], values: list[Array]) -> Array:
-    terms = [share * value for share, value in zip(shares, values, strict=True)]
-    return sum(terms[1:], start=terms[0])
-
-
 def mirrored(
     direction: Float[Array, "*b 3"], x: Float[Array, "*b"], y: Float[Array, "*b"]
 ) -> Float[Array, "*b 3"]:
     """The unit vector (*b, 3) from which a facet of slope (x, y) reflects light into `direction`."""
     dx, dy, dz = direction[..., 0], direction[..., 1], direction[..., 2]
     scale = 2.0 * (dz - x * dx - y * dy) * reciprocal(1.0 + x * x + y * y)
-    return jnp.stack([-scale * x - dx, -scale * y - dy, scale - dz], axis=-1)
+    rx, ry, rz = -scale * x - dx, -scale * y - dy, scale - dz
+    # A quotient of the library, which XLA writes to memory before a sky reads it many times.
+    length = jnp.sqrt(rx * rx + ry * ry + rz * rz)
+    return jnp.stack([rx / length, ry / length, rz / length], axis=-1)

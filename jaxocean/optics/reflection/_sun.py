@@ -72,5 +72,6 @@ def sun_glitter(
     visible = masking(seen.hidden, lit.hidden, to_viewer, jnp.broadcast_to(sun, to_viewer.shape))
     rising = sun[2] - slope[..., 0] * sun[0] - slope[..., 1] * sun[1]
     fade = jnp.clip(rising / RISE, 0.0, 1.0)
-    radiance = 0.25 * reflected * density * steep * steep * visible * fade * reciprocal(seen.mean)
+    # A quotient of the library: XLA writes it to memory, where all channels read it.
+    radiance = reflected * density * steep * steep * visible * fade / (4.0 * seen.mean)
     return jnp.where(up, radiance, 0.0)

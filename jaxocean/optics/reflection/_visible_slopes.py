@@ -28,9 +28,11 @@ TAIL = 5.5
 class SlopeNode(NamedTuple):
     """A slope (x, y), its weight w (all nodes' add up to 1) and the cosine c of the view's incidence, each (*b).
 
-    `loose` is the mean squared slope about the node that no node resolves.
+    `step` says how many standard deviations the facing area is above its mean; `loose` is the mean squared slope
+    about the node that no node resolves.
     """
 
+    step: Float[Array, "*b"]
     x: Float[Array, "*b"]
     y: Float[Array, "*b"]
     weight: Float[Array, "*b"]
@@ -64,7 +66,8 @@ class ThreeSlopes(AbstractVisibleSlopes):
         self, to_viewer: Float[Array, "*b 3"], slope: Float[Array, "*b 2"], covariance: Float[Array, "*b 2 2"]
     ) -> tuple[SlopeNode, ...]:
         seen = facing(to_viewer, slope, covariance)
-        shift = seen.below * seen.deviation * reciprocal(seen.area)
+        # A quotient of the library, which XLA writes to memory: all nodes are polynomials of it.
+        shift = seen.below * seen.deviation / seen.area
         a, b, c = (_polynomial(shift, row) for row in (STEEPEST, MIDDLE, FLATTEST))
         # Weights that give the three moments of t: 1, r and 2 − z r.
         square = 2.0 - seen.ratio * shift
@@ -153,7 +156,7 @@ def _node(
     if across is not None:
         x, y = x + h * across[0], y + h * across[1]
     cosine = (seen.mean + t * seen.deviation) * inverse_root(1.0 + x * x + y * y + loose)
-    return SlopeNode(x, y, weight, cosine, loose)
+    return SlopeNode(t, x, y, weight, cosine, loose)
 
 
 def _remaining(covariance: Array, seen: Facing) -> tuple[Array, Array, Array]:
