@@ -52,7 +52,8 @@ def sweep_command(
     else:
         rate = in_words(origin["points_computed"] / max(origin["computing_s"], 1e-3))
         print(f"\nFinished in {origin['duration_s']:.1f} s ({rate} while computing): {finished.folder}")
-    print("  results.nc  results.zarr  report.md")
+    left = ("results.nc", "results.zarr", "report.md", "sweep.png")
+    print("  " + "  ".join(name for name in left if (finished.folder / name).exists()))
 
 
 def _kind(zipped: bool, design: str | None) -> Kind:

@@ -148,7 +148,8 @@ def _wind_table(view: View) -> Table:
 
 
 def _threshold_table(view: View) -> Table:
-    columns, series = ["U10 (m/s)"], [view.config.wind.speed]
+    columns = ["U10 (m/s)"]
+    series: list = [view.config.wind.speed]
     for name, calibration in view.calibrations.items():
         columns += [f"ε(U10), {name}", _plus_minus(columns)]
         series += per_wind_threshold(calibration.per_wind, view.config.wind.speed)

@@ -23,7 +23,10 @@ CLOSURES = {
     "exact_rest": (jo.whitecaps.ExactClosure("rest"), "exact closure, rest area"),
     "gaussian_projected": (jo.whitecaps.GaussianClosure("projected"), "Gaussian closure, projected area"),
     "gaussian_rest": (jo.whitecaps.GaussianClosure("rest"), "Gaussian closure, rest area"),
-    "published": (jo.whitecaps.PublishedClosure(), "published closure (eqs 6-8 as printed), rest area"),
+    "published": (
+        jo.whitecaps.PublishedClosure(),
+        "published closure (eqs 6-8 as printed; undefined where its variance is negative), rest area",
+    ),
 }
 
 QUANTITIES = {
@@ -121,10 +124,11 @@ def _close(config: schema.CoverageConfig, levels) -> tuple[dict[str, Array], Cur
 
 def _result(numbers: dict[str, float], config: schema.CoverageConfig) -> Result:
     rest, projected = numbers["coverage_exact_rest"], numbers["coverage_exact_projected"]
+    published = numbers["coverage_published"]
     rows = [
         ("exact", projected, rest),
         ("Gaussian", numbers["coverage_gaussian_projected"], numbers["coverage_gaussian_rest"]),
-        ("published", "rest area only", numbers["coverage_published"]),
+        ("published", "rest area only", published if published >= 0 else "undefined"),
     ]
     statistics = [
         (QUANTITIES[name].long_name, number)
@@ -132,7 +136,7 @@ def _result(numbers: dict[str, float], config: schema.CoverageConfig) -> Result:
         if not name.startswith("coverage_")
     ]
     notes = [_coverage_views.answer(numbers, config)]
-    if not numbers["coverage_published"] >= 0:
+    if not published >= 0:
         notes.append("The published formula is undefined here: its variance is negative.")
     if config.band is None:
         notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)

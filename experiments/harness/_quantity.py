@@ -6,6 +6,9 @@ from dataclasses import dataclass
 CONVENTIONS = "CF-1.11"
 """What our files follow."""
 
+UNDEFINED = "NaN where it is undefined"
+"""What data files say of a number that need not be one."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -23,7 +26,9 @@ class Quantity:
     def attributes(self) -> dict[str, str]:
         """The CF attributes of a variable that holds it."""
         known = {"units": self.units, "long_name": self.long_name}
-        return known | ({} if self.standard_name is None else {"standard_name": self.standard_name})
+        if self.standard_name is not None:
+            known["standard_name"] = self.standard_name
+        return known | ({"comment": UNDEFINED} if self.may_be_undefined else {})
 
 
 def udunits(unit: str) -> str:
@@ -33,6 +38,16 @@ def udunits(unit: str) -> str:
     above, *below = unit.split("/")
     parts = [above.replace("^", ""), *(f"{part.replace('^', '')}-1" for part in below)]
     return " ".join(parts)
+
+
+def shown(unit: str) -> str:
+    """A unit of UDUNITS ("rad m-1", "1") as tables and axes have it ("rad/m", "-")."""
+    if unit in ("", "1"):
+        return "-"
+    if unit == "percent":
+        return "%"
+    above, *rest = re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", unit).split(" ")
+    return above + "".join(f"/{part[:-3]}" if part.endswith("^-1") else f" {part}" for part in rest)
 
 
 SUFFIXES = {

@@ -12,6 +12,9 @@ from ._result import Result, Table
 
 WIDTH = 110
 
+NONE = ("undefined", "-")
+"""What stands in a column of numbers where there is none."""
+
 
 def render(result: Result) -> str:
     """The tables and notes of a result as plain text."""
@@ -27,7 +30,7 @@ def render(result: Result) -> str:
 def _table(table: Table) -> RichTable:
     rich = RichTable(box=SIMPLE_HEAD)
     for position, column in enumerate(table.columns):
-        numeric = all(not isinstance(row[position], str) for row in table.rows)
+        numeric = all(not isinstance(row[position], str) or row[position] in NONE for row in table.rows)
         rich.add_column(Text(column), justify="right" if numeric else "left", no_wrap=not numeric)
     for row in table.cells():
         rich.add_row(*(Text(text) for text in row))

@@ -4,8 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from ..harness._quantity import UNDEFINED, shown
 from ..harness._result import Result, Table, cell
 from ._design import Axis, Design
+from ._effects import main_results, words_of_effects
 from ._plan import Sweep
 from ._results import DONE, Results, coordinate
 from ._values import Between
@@ -18,19 +20,29 @@ def summarise(sweep: Sweep, results: Results, notes: tuple[str, ...]) -> Result:
     """Ranges of all numbers, and what failed."""
     design, base = sweep.points.design, sweep.base
     done, failed = results.tally()
-    ranges = {name: _range(results, name) for name in results.names()}
+    ranges, undefined = {}, {}
+    for name in results.names():
+        ranges[name], undefined[name] = _range(results, name, done)
+    effects = words_of_effects(design, base, results, main_results(results, ranges))
     reasons = results.reasons().most_common()
     swept = [
-        (axis.key, _count(axis), *_ends(axis), coordinate(axis, base).units if axis.values.numeric else "")
+        (
+            axis.key,
+            _count(axis),
+            *_ends(axis),
+            shown(coordinate(axis, base).units) if axis.values.numeric else "",
+        )
         for axis in design.axes
     ]
-    units = {name: str(results.array(name).attrs["units"]) for name in ranges}
+    units = {name: shown(str(results.array(name).attrs["units"])) for name in ranges}
     return Result(
         values={
             "points": design.count,
             "done": done,
             "failed": failed,
             "reasons": dict(reasons[:SHOWN]),
+            "undefined": {name: count for name, count in undefined.items() if count},
+            "effects": effects,
             "ranges": {
                 name: dict(zip(("least", "mean", "most"), ends, strict=True)) for name, ends in ranges.items()
             },
@@ -40,15 +52,15 @@ def summarise(sweep: Sweep, results: Results, notes: tuple[str, ...]) -> Result:
             Table(
                 f"Results at {done:,} points",
                 ("quantity", "least", "mean", "most", "unit"),
-                [(name, *ends, units[name]) for name, ends in ranges.items()],
+                [(name, *map(_defined, ends), units[name]) for name, ends in ranges.items()],
             ),
         ),
-        notes=(*_failures(failed, reasons), *notes),
+        notes=(*effects, *_undefined(undefined, done), *_failures(failed, reasons), *notes),
     )
 
 
-def report(sweep: Sweep, result: Result) -> str:
-    """`report.md`."""
+def report(sweep: Sweep, result: Result, *, picture: str | None) -> str:
+    """`report.md`; `picture`: the file beside it, if there is one."""
     swept, found = (
         "\n".join(
             ["| " + " | ".join(table.columns) + " |", "|---" * len(table.columns) + "|"]
@@ -57,22 +69,23 @@ def report(sweep: Sweep, result: Result) -> str:
         for table in result.tables
     )
     names = list(result.values["ranges"])
-    shown = names[0] if names else DONE
+    first = names[0] if names else DONE
     listed = "\n".join(f"- {note}" for note in result.notes)
+    drawn = "" if picture is None else f"![what changes over the swept keys]({picture})\n\n"
     return f"""# Sweep of {sweep.base.name}
 
 {_answer(sweep, result)}
 
-{swept}
+{listed}
+
+{drawn}{swept}
 
 {found}
-
-{listed}
 
 ```python
 import xarray as xr
 sweep = xr.open_dataset("results.nc")  # or xr.open_zarr("results.zarr", consolidated=False)
-sweep["{shown}"].where(sweep["{DONE}"] == 1)
+sweep["{first}"].where(sweep["{DONE}"] == 1)
 ```"""
 
 
@@ -114,8 +127,8 @@ def _ends(axis: Axis) -> tuple[str, str]:
     return values.spell(0), values.spell(len(values) - 1)
 
 
-def _range(results: Results, name: str) -> tuple[float, float, float]:
-    """Least, mean and most of what is finite; NaN where nothing is."""
+def _range(results: Results, name: str, done: int) -> tuple[tuple[float, float, float], int]:
+    """Least, mean and most of what is finite, NaN where nothing is; and at how many done points a number is none."""
     least, most, total, count = np.inf, -np.inf, 0.0, 0
     array = results.array(name)
     for start, stop in results.spans():
@@ -124,7 +137,20 @@ def _range(results: Results, name: str) -> tuple[float, float, float]:
         if values.size:
             least, most = min(least, float(values.min())), max(most, float(values.max()))
             total, count = total + float(values.sum()), count + values.size
-    return (least, total / count, most) if count else (np.nan, np.nan, np.nan)
+    missing = done - count if array.ndim == 1 and array.attrs.get("comment") == UNDEFINED else 0
+    return ((least, total / count, most) if count else (np.nan, np.nan, np.nan)), missing
+
+
+def _defined(number: float) -> float | str:
+    return "undefined" if np.isnan(number) else number
+
+
+def _undefined(counts: dict[str, int], done: int) -> list[str]:
+    return [
+        f"`{name}` is undefined at {'all' if count == done else f'{count:,} of the'} {done:,} points (NaN)."
+        for name, count in counts.items()
+        if count
+    ]
 
 
 def _failures(failed: int, reasons: list[tuple[str, int]]) -> list[str]:

@@ -18,6 +18,7 @@ from ..harness._report import render
 from ..harness._result import Result, jsonable
 from ..harness._store import FinishedRun, find
 from ._drive import drive
+from ._effects import main_results
 from ._export import export
 from ._lock import locked
 from ._meter import Advance
@@ -27,7 +28,8 @@ from ._summary import report, summarise
 from ._task import Task
 
 STORE, EXPORT, ABOUT, SCRATCH = "results.zarr", "results.nc", "sweep.json", "scratch"
-FINAL = ("result.json", "summary.txt", "report.md", EXPORT)
+PICTURE = "sweep.png"
+FINAL = ("result.json", "summary.txt", "report.md", PICTURE, EXPORT)
 """Files that only a finished sweep has; the first one is written last."""
 
 CHUNKS, SMALLEST, LARGEST, SINGLE = 32, 512, 16384, 256
@@ -72,7 +74,7 @@ def run(sweep: Sweep, open_executor: Open, watch: Watch, *, retry_failed: bool, 
             _refuse_nothing(sweep, result)
             export(results, sweep.points.design, sweep.base, sweep.folder / EXPORT)
             origin = provenance(sweep.base, sweep.digest, time.perf_counter() - began)
-            _finish(sweep, result, origin | speed)
+            _finish(sweep, result, origin | speed, picture=_draw(sweep, results, result))
     except OSError as error:
         raise UserError(_unwritable(sweep, error)) from error
     except KeyboardInterrupt:
@@ -153,11 +155,27 @@ def _compute(
     return notes, {"points_computed": results.count - before, "computing_s": took}
 
 
-def _finish(sweep: Sweep, result: Result, origin: dict[str, Any]) -> None:
+def _draw(sweep: Sweep, results: Results, result: Result) -> str | None:
+    """The picture, if there is a single number to draw."""
+    ranges = {
+        name: (ends["least"], ends["mean"], ends["most"]) for name, ends in result.values["ranges"].items()
+    }
+    names = main_results(results, ranges)
+    if not names:
+        return None
+    # Only now: matplotlib.
+    from ..harness._files import Files
+    from ._picture import draw
+
+    draw(sweep.points.design, sweep.base, results, names, Files(sweep.folder, sweep.base))
+    return PICTURE
+
+
+def _finish(sweep: Sweep, result: Result, origin: dict[str, Any], *, picture: str | None) -> None:
     """Tables, words and provenance; `result.json` last: it says that all the others are there."""
     contents = {
         "provenance.json": json.dumps(origin, indent=2, ensure_ascii=False),
-        "report.md": report(sweep, result),
+        "report.md": report(sweep, result, picture=picture),
         "summary.txt": render(result),
         "result.json": json.dumps(jsonable(result.values), indent=2, allow_nan=False, ensure_ascii=False),
     }

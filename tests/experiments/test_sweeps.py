@@ -18,7 +18,7 @@ from _sweep_toys import compute, computed, plan
 from rich.console import Console
 
 from experiments.harness._errors import UserError
-from experiments.harness._quantity import udunits, unit_of_name
+from experiments.harness._quantity import shown, udunits, unit_of_name
 from experiments.sweeps import find_finished, meter
 from experiments.sweeps._executors import Inline
 from experiments.sweeps._export import _rows
@@ -107,6 +107,7 @@ def test_a_folder_holds_config_design_provenance_tables_and_words(grid):
         "results.zarr",
         "summary.txt",
         "sweep.json",
+        "sweep.png",
     }
     about = json.loads((finished.folder / "sweep.json").read_text())
     assert about["hash"] == sweep.digest
@@ -120,6 +121,68 @@ def test_a_folder_holds_config_design_provenance_tables_and_words(grid):
         [sys.executable, "-W", "error", "-c", code], cwd=finished.folder, capture_output=True, check=False
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_report_says_what_changes_how_much_over_which_key(tmp_path):
+    sweep = plan(tmp_path, "batch", "x=1:5:1", "y=0,3")
+    compute(sweep)
+    report = (sweep.folder / "report.md").read_text()
+    # x^2 + y: the means over y are 2.5 and 26.5, those over x 11 and 14.
+    assert "`result` (means over the other keys): over `x` from 1 to 5 m/s it goes from 2.5 to 26.5 m" in report
+    assert "over `y` from 0 to 3 m it goes from 11 to 14 m (+27 %)" in report
+    assert "`root` (means over the other keys): over `x`" in report
+    assert "it does not depend on `y`" in report
+    assert "![what changes over the swept keys](sweep.png)" in report
+
+
+def test_undefined_numbers_are_called_so(tmp_path):
+    sweep = plan(tmp_path, "batch", "x=-4:-1:1")
+    data = compute(sweep)
+    assert data["root"].attrs["comment"] == "NaN where it is undefined"
+    assert "comment" not in data["result"].attrs
+    finished = find_finished(sweep)
+    assert finished is not None
+    summary = " ".join(finished.summary().split())
+    assert "root undefined undefined undefined" in summary
+    assert "`root` is undefined at all 4 points" in summary
+
+
+@pytest.mark.parametrize(
+    ("values", "kind", "panels", "lines"),
+    [
+        (("x=1:5:1",), "cartesian", 3, 5),
+        (("x=1:5:1", "y=0,3"), "cartesian", 3, 2),
+        (("x=1:5:1", "y=0,3", "power=1,2"), "cartesian", 9, 20),
+        (("x=0.5:2.5", "y=1:9"), "sobol", 6, 64),
+        (("y=null,2.5,[1.0,2.0]",), "cartesian", 1, 3),
+    ],
+)
+def test_every_kind_of_sweep_has_its_picture(tmp_path, monkeypatch, values, kind, panels, lines):
+    """Panels with something in them; the first has so many lines, or points where one line holds them."""
+    figures = []
+    from experiments.harness._files import Files
+
+    whole = Files.picture
+    monkeypatch.setattr(Files, "picture", lambda self, n, fig: (figures.append(fig), whole(self, n, fig)))
+    points = 64 if kind == "sobol" else None
+    sweep = plan(tmp_path, "batch", *values, kind=kind, points=points)
+    compute(sweep)
+    assert (sweep.folder / "sweep.png").stat().st_size > 10_000
+    (figure,) = figures
+    filled = [axes for axes in figure.axes if axes.lines]
+    assert len(filled) == panels
+    assert all(axes.get_ylabel() for axes in filled[:1])
+    first = filled[0].lines
+    assert lines in (len(first), first[0].get_xdata().size)
+    assert any(axes.get_xlabel() in ("x (m/s)", "y") for axes in filled)
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [("m s-1", "m/s"), ("rad m-1", "rad/m"), ("1", "-"), ("m-2", "m^-2"), ("m2 s", "m^2 s")],
+)
+def test_units_of_data_are_shown_as_configs_write_them(unit, expected):
+    assert shown(unit) == expected
 
 
 def test_only_unfinished_and_on_demand_failed_points_are_computed_again(tmp_path):
