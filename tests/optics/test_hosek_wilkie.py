@@ -18,7 +18,7 @@ import pytest
 from _derivatives import assert_gradient_matches
 
 from jaxocean.optics import luminance
-from jaxocean.optics.sky import SUN_RADIUS, HosekWilkie, SpectralHosekWilkie
+from jaxocean.optics.sky import SUN_RADIUS, ConstantSky, HosekWilkie, ImageSky, SpectralHosekWilkie
 
 SUN_AZIMUTH = 0.5
 
@@ -130,9 +130,22 @@ def test_colour_and_spectrum_tell_of_the_same_sky():
     np.testing.assert_allclose(plain.sun_irradiance, spectral.sun_irradiance, rtol=1e-12)
 
 
+def _clear(elevation):
+    return HosekWilkie(2.5, 0.1, elevation, 0.4)
+
+
+def _constant(elevation):
+    return ConstantSky(0.1, (1.0, 0.8, 0.5), elevation, 0.4)
+
+
+def _image(elevation):
+    return ImageSky(np.ones((4, 8, 3)), 0.3, 2.0, (1.0, 0.8, 0.5), elevation, 0.4)
+
+
 @pytest.mark.parametrize("elevation", [0.7, 0.05, 0.002, -0.003])
-def test_the_beam_is_the_integral_of_the_disc_above_the_horizon(elevation):
-    sky = HosekWilkie(2.5, 0.1, elevation, 0.4)
+@pytest.mark.parametrize("kind", [_clear, _constant, _image])
+def test_the_beam_is_the_integral_of_the_disc_above_the_horizon(kind, elevation):
+    sky = kind(elevation)
     side = np.linspace(-1.0, 1.0, 601) * SUN_RADIUS * 1.01
     up, across = np.meshgrid(side, side, indexing="ij")
     sun = np.asarray(sky.sun_direction)
@@ -142,6 +155,30 @@ def test_the_beam_is_the_integral_of_the_disc_above_the_horizon(elevation):
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     brute = np.sum(np.asarray(_disc(sky, jnp.asarray(directions))), axis=(0, 1))
     np.testing.assert_allclose(sky.sun_irradiance, brute * (side[1] - side[0]) ** 2, rtol=2e-3)
+
+
+@pytest.mark.parametrize("kind", [_clear, _constant, _image])
+def test_the_disc_ends_at_its_edge_and_is_dark_below_the_horizon(kind):
+    sky = kind(0.3)
+    offsets = SUN_RADIUS * np.array([0.0, 0.98, 1.02])
+    directions = jnp.stack([towards(np.pi / 2 - 0.3 - offset, 0.4) for offset in offsets])
+    inside, edge, beside = _disc(sky, directions)
+    assert np.all(inside >= edge)
+    assert np.all(edge > 0.0)
+    np.testing.assert_array_equal(beside, 0.0)
+    np.testing.assert_array_equal(_disc(kind(-0.3), towards(np.pi / 2 + 0.3, 0.4)), 0.0)
+    slopes = jax.jit(jax.vmap(jax.jacfwd(sky.sun_radiance)))(jnp.stack([*directions, -directions[0]]))
+    assert np.all(np.isfinite(slopes))
+
+
+def test_the_spectral_sun_darkens_towards_its_limb_by_the_tabulated_law():
+    sky = SpectralHosekWilkie(2.5, 0.1, 0.8)
+    offsets = SUN_RADIUS * np.array([0.0, 0.6, 0.8])
+    sideways = [towards(np.pi / 2 - 0.8, offset / np.cos(0.8)) for offset in offsets]
+    found = sky.spectral_sun_radiance(jnp.stack(sideways), jnp.array([480.0]))[:, 0]
+    # cos ψ = 1, 0.8 and 0.6; the coefficients are those of Hošek & Wilkie (2013) at 480 nm.
+    law = np.polynomial.Polynomial([0.198587, 1.30507, -1.25998, 1.49727, -1.04047, 0.299516])
+    np.testing.assert_allclose(found / found[0], law([1.0, 0.8, 0.6]) / law(1.0), rtol=1e-3)
 
 
 def test_the_full_beam_at_noon_is_of_daylight_strength():
@@ -165,7 +202,11 @@ def test_the_irradiance_is_the_integral_of_the_radiance():
 
 _radiance = eqx.filter_jit(HosekWilkie.radiance)
 _irradiance = eqx.filter_jit(HosekWilkie.irradiance)
-_disc = eqx.filter_jit(HosekWilkie.sun_radiance)
+
+
+@eqx.filter_jit
+def _disc(sky, direction):
+    return sky.sun_radiance(direction)
 
 
 def test_below_the_horizon_one_sees_the_mirrored_sky():

@@ -40,6 +40,9 @@ class SlantedSky(AbstractSky):
         shape = jnp.exp(-2.0 * jnp.abs(direction[..., 2])) * (1.0 + 0.4 * direction[..., 0])
         return shape[..., None] * jnp.array([1.0, 2.0, 3.0], direction.dtype)
 
+    def sun_radiance(self, direction):
+        return jnp.zeros_like(direction)
+
     def lobe_radiance(self, direction, variance):
         up = jnp.array([0.0, 0.6, 0.8], direction.dtype)
         one = jnp.cross(direction, up)

@@ -34,6 +34,13 @@ class AbstractSky(eqx.Module):
         """Diffuse radiance [W m⁻² sr⁻¹ nm⁻¹] that comes from `direction`, without the sun's disc."""
 
     @abc.abstractmethod
+    def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+        """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc; 0 beside it and below the horizon, where nothing is mirrored.
+
+        Its edge is sharp: an image should sample the disc finely, or see it through `sun_irradiance`.
+        """
+
+    @abc.abstractmethod
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:

@@ -9,11 +9,17 @@ from jaxtyping import Array, Float
 from ..._numerics import safe_sqrt
 from ..._types import Scalar
 from ._dome import between_turbidities
-from ._sun import SUN_RADIUS
+from ._sun import SUN_RADIUS, direction_of
 from ._tables import SEGMENTS, tables
 
 CHORDS = np.array([math.sqrt(math.pi) * math.gamma(j / 2 + 1) / math.gamma((j + 3) / 2) for j in range(6)])
 """∫_{−1}^{1} (1 − u²)^{j/2} du: the limb darkening's powers averaged along a horizontal chord of the disc."""
+
+CHEBYSHEV = np.cos(math.pi * (np.arange(6) + 0.5) / 6)
+"""Nodes on [−1, 1] for the sun's radiance along the height of its disc."""
+
+TO_POWERS = np.linalg.inv(np.vander(CHEBYSHEV, increasing=True))
+"""Values at those nodes to the coefficients of 1, t, t², …"""
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(32)
 
@@ -58,23 +64,46 @@ def beam_irradiance(turbidity: Scalar, elevation: Scalar) -> Float[Array, "11"]:
 
 
 def disc_radiance(
-    turbidity: Scalar, sun: Float[Array, "3"], direction: Float[Array, "*b 3"]
-) -> Float[Array, "*b 11"]:
+    turbidity: Scalar,
+    elevation: Scalar,
+    azimuth: Scalar,
+    direction: Float[Array, "*b 3"],
+    colours: Float[Array, "11 c"],
+) -> Float[Array, "*b c"]:
     """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 off the disc and below the horizon.
 
-    $$ L = L_0(e) \\sum_{j=0}^{5} d_j \\cos^j\\psi, \\quad
+    $$ L = L_0(e + r s) \\sum_{j=0}^{5} d_j \\cos^j\\psi, \\quad
     \\cos\\psi = \\sqrt{1 - \\sin^2\\gamma / \\sin^2 r} $$
+
+    L₀ is interpolated by a polynomial over the part of the disc that is above the horizon, so that a pixel costs no
+    look-up.
+
+    **Arguments:** `elevation`, `azimuth`: of the sun's centre [rad]; `colours`: turns the eleven wavelengths into c
+    channels.
     """
-    sun, turbidity = sun.astype(direction.dtype), turbidity.astype(direction.dtype)
-    across = direction - sun
-    half = 0.5 * jnp.sum(across * across, axis=-1)
-    square = half * (2.0 - half) / math.sin(SUN_RADIUS) ** 2
-    upward = direction[..., 2]
-    hit = (half <= 2.0 * math.sin(SUN_RADIUS / 2) ** 2) & (upward > 0.0)
-    cosine = safe_sqrt(1.0 - square)[..., None]
-    darkening = jnp.asarray(tables()["limb_darkening"], direction.dtype)
-    limb = jnp.broadcast_to(darkening[:, 5], (*cosine.shape[:-1], darkening.shape[0]))
-    for j in range(4, -1, -1):
-        limb = limb * cosine + darkening[:, j]
-    elevation = jnp.arctan2(upward, safe_sqrt(1.0 - upward * upward))
-    return jnp.where(hit[..., None], centre_radiance(turbidity, elevation) * limb, 0.0)
+    dtype = direction.dtype
+    turbidity, elevation, azimuth = (a.astype(dtype) for a in (turbidity, elevation, azimuth))
+    sun, radius = direction_of(elevation, azimuth), SUN_RADIUS
+    rise = jnp.stack([-sun[2] * jnp.cos(azimuth), -sun[2] * jnp.sin(azimuth), jnp.cos(elevation)])
+    across = [direction[..., i] - sun[i] for i in range(3)]
+    half = 0.5 * (across[0] * across[0] + across[1] * across[1] + across[2] * across[2])
+    hit = (half <= 2.0 * math.sin(radius / 2) ** 2) & (direction[..., 2] > 0.0)
+    cosine = safe_sqrt(1.0 - half * (2.0 - half) / math.sin(radius) ** 2)
+    # The visible part of the disc runs from s = lowest to 1, the polynomials from t = −1 to 1.
+    lowest = jnp.clip(-elevation / radius, -1.0, 0.999)
+    s = (across[0] * rise[0] + across[1] * rise[1] + across[2] * rise[2]) / radius
+    t = jnp.clip(2.0 * (s - lowest) / (1.0 - lowest) - 1.0, -1.0, 1.0)
+    nodes = lowest + 0.5 * (1.0 - lowest) * (jnp.asarray(CHEBYSHEV, dtype) + 1.0)
+    powers = jnp.asarray(TO_POWERS, dtype) @ centre_radiance(turbidity, elevation + radius * nodes)
+    darkening = jnp.asarray(tables()["limb_darkening"], dtype)
+    polynomial = jnp.einsum("kw,wj,wc->kjc", powers, darkening, colours.astype(dtype))
+    channels = []
+    for c in range(colours.shape[1]):
+        value = jnp.zeros_like(t)
+        for j in range(darkening.shape[1] - 1, -1, -1):
+            along = polynomial[-1, j, c] * jnp.ones_like(t)
+            for k in range(len(CHEBYSHEV) - 2, -1, -1):
+                along = along * t + polynomial[k, j, c]
+            value = value * cosine + along
+        channels.append(jnp.where(hit, value, 0.0))
+    return jnp.stack(channels, axis=-1)

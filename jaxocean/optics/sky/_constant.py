@@ -10,7 +10,7 @@ from ..._numerics import as_leaf, check_scalar
 from ..._types import Scalar
 from ._abstract import AbstractSky
 from ._colour_leaf import as_colour, check_colour
-from ._sun import direction_of, visible_fraction
+from ._sun import direction_of, even_disc, visible_fraction
 
 
 class ConstantSky(AbstractSky):
@@ -47,6 +47,9 @@ class ConstantSky(AbstractSky):
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         return jnp.broadcast_to(self.dome.astype(direction.dtype), direction.shape)
+
+    def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+        return even_disc(self.sun, self.sun_direction, direction)
 
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]

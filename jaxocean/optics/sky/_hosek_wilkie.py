@@ -1,6 +1,7 @@
 """The clear sky of Hošek and Wilkie in red, green and blue."""
 
 import equinox as eqx
+import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf
@@ -16,7 +17,7 @@ from ._panorama import pixel_directions
 from ._quadrature import dome_irradiance
 from ._spectral_hosek_wilkie import to_srgb
 from ._sun import direction_of
-from ._tables import tables
+from ._tables import WAVELENGTHS, tables
 from ._twilight import twilight
 
 NORMALISATION = 1.0 / 106.7502594
@@ -64,8 +65,9 @@ class HosekWilkie(AbstractSky):
         return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
 
     def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
-        """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 beside it and below the horizon."""
-        return to_srgb(disc_radiance(self.turbidity, self.sun_direction, direction))
+        """As in `AbstractSky`, with limb darkening."""
+        sun = (self.turbidity, self.sun_elevation, self.sun_azimuth)
+        return disc_radiance(*sun, direction, to_srgb(jnp.eye(WAVELENGTHS.size, dtype=direction.dtype)))
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         given = (self.turbidity, self.albedo, self.sun_elevation)

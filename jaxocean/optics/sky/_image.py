@@ -14,7 +14,7 @@ from ._abstract import AbstractSky
 from ._colour_leaf import as_colour, check_colour
 from ._lobes import lobe_mean
 from ._panorama import look_up, place
-from ._sun import direction_of, visible_fraction
+from ._sun import direction_of, even_disc, visible_fraction
 
 
 class ImageSky(AbstractSky):
@@ -73,6 +73,9 @@ class ImageSky(AbstractSky):
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         upper = self._upper(direction.dtype)
         return look_up(upper, *place(direction, self.rotation))
+
+    def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+        return even_disc(self.sun, self.sun_direction, direction)
 
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]

@@ -62,7 +62,7 @@ class SpectralHosekWilkie(AbstractSky):
         self, direction: Float[Array, "*b 3"], wavelength: Float[Array, "w"]
     ) -> Float[Array, "*b w"]:
         """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 beside it and below the horizon."""
-        return _at(disc_radiance(self.turbidity, self.sun_direction, direction), wavelength)
+        return _at(self._disc(direction), wavelength)
 
     @property
     def sun_direction(self) -> Float[Array, "3"]:
@@ -73,8 +73,8 @@ class SpectralHosekWilkie(AbstractSky):
         return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
 
     def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
-        """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 beside it and below the horizon."""
-        return to_srgb(disc_radiance(self.turbidity, self.sun_direction, direction))
+        """As in `AbstractSky`, with limb darkening."""
+        return to_srgb(self._disc(direction))
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         return to_srgb(self._dome(direction))
@@ -87,6 +87,10 @@ class SpectralHosekWilkie(AbstractSky):
 
     def irradiance(self) -> Float[Array, "3"]:
         return dome_irradiance(self.radiance, self.sun_azimuth)
+
+    def _disc(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 11"]:
+        sun = (self.turbidity, self.sun_elevation, self.sun_azimuth)
+        return disc_radiance(*sun, direction, jnp.eye(WAVELENGTHS.size, dtype=direction.dtype))
 
     def _dome(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 11"]:
         given = (self.turbidity, self.albedo, self.sun_elevation)

@@ -32,3 +32,14 @@ def visible_fraction(elevation: Scalar) -> Scalar:
     crossing = jnp.where(inside, s, 0.0)
     segment = 0.5 + (jnp.arcsin(crossing) + crossing * safe_sqrt(1.0 - crossing * crossing)) / math.pi
     return jnp.where(inside, segment, jnp.where(s > 0.0, 1.0, 0.0))
+
+
+def even_disc(
+    irradiance: Float[Array, "3"], sun: Float[Array, "3"], direction: Float[Array, "*b 3"]
+) -> Float[Array, "*b 3"]:
+    """Radiance of a disc without limb darkening whose whole gives `irradiance`; 0 off it and below the horizon."""
+    across = direction - sun.astype(direction.dtype)
+    half = 0.5 * jnp.sum(across * across, axis=-1)
+    hit = (half <= 2.0 * math.sin(SUN_RADIUS / 2) ** 2) & (direction[..., 2] > 0.0)
+    level = irradiance.astype(direction.dtype) / (math.pi * SUN_RADIUS**2)
+    return jnp.where(hit[..., None], level, 0.0)
