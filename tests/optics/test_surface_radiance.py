@@ -180,9 +180,8 @@ def test_derivatives_match_differences_in_every_argument(points):
     h = 1e-4
     fine = (brightness(h) - brightness(-h)) / (2 * h)
     coarse = (brightness(2 * h) - brightness(-2 * h)) / (4 * h)
-    _, got = jax.jvp(brightness, (0.0,), (1.0,))
-    np.testing.assert_allclose(got, (4 * fine - coarse) / 3, rtol=1e-6)
-    np.testing.assert_allclose(jax.grad(brightness)(0.0), got, rtol=1e-8)
+    # Forward mode has its tests with each term.
+    np.testing.assert_allclose(jax.grad(brightness)(0.0), (4 * fine - coarse) / 3, rtol=1e-6)
 
 
 def test_derivatives_are_finite_at_grazing_views_flat_seas_sunsets_and_both_ends_of_coverage():
