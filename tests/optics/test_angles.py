@@ -15,7 +15,7 @@ def test_azimuths_are_numpys_in_all_quarters_and_on_all_axes():
     x = np.array([1.0, 1.0, 0.0, -1.0, -1.0, -1.0, 0.0, 1.0])
     y = np.array([0.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0])
     np.testing.assert_allclose(azimuth_of(jnp.asarray(x), jnp.asarray(y)), np.arctan2(y, x), atol=3e-8)
-    slope_x, slope_y = jax.vmap(jax.grad(azimuth_of, argnums=(0, 1)))(jnp.asarray(x), jnp.asarray(y))
+    slope_x, slope_y = jax.jit(jax.vmap(jax.grad(azimuth_of, argnums=(0, 1))))(jnp.asarray(x), jnp.asarray(y))
     np.testing.assert_allclose(slope_x, -y / (x * x + y * y), atol=1e-5)
     np.testing.assert_allclose(slope_y, x / (x * x + y * y), atol=1e-5)
     assert np.all(np.isfinite(jax.grad(azimuth_of, argnums=(0, 1))(0.0, 0.0)))
@@ -28,6 +28,6 @@ def test_angles_between_vectors_are_numpys_and_precise_near_zero_in_float32():
     np.testing.assert_allclose(angle_between(half.astype(jnp.float32)), angle, rtol=1e-6, atol=5e-4)
     small = angle < 1.0
     np.testing.assert_allclose(angle_between(half.astype(jnp.float32))[small], angle[small], rtol=1e-6)
-    slope = jax.vmap(jax.grad(angle_between))(half)
+    slope = jax.jit(jax.vmap(jax.grad(angle_between)))(half)
     np.testing.assert_allclose(slope[angle < 3.0], 1.0 / np.sin(angle[angle < 3.0]), rtol=1e-5)
     assert np.all(np.isfinite(jax.vmap(jax.grad(angle_between))(jnp.array([0.0, 1.0, 2.0, 2.0000001]))))
