@@ -1,0 +1,109 @@
+"""The displaced mesh: what of the patterns its vertices can carry, in the world and on the screen."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from ..surface import Cascade, Fields
+from ._atlas import Atlas
+from ._bands import cut, join
+from ._camera import Camera
+from ._footprint import LEAST_SHARPNESS, filter_variance
+from ._planet import wrap
+from ._projected_grid import RestGrid
+from ._raster import Screen
+
+EDGE_ON = 0.02
+"""Sine of the angle under which a surface counts as seen edge on."""
+
+
+class Mesh(eqx.Module):
+    """Vertices in rows from near to far.
+
+    **Arguments:** `offset`: at rest, from the point below the camera [m]; `place`: displaced, from the same point at
+    height 0 [m]; `screen`: in the image; `sharpness`: v^(−1/4) [m^(−1/2)] of the variance v of the filter that stands
+    for the footprint of a pixel there. On a plane v grows as the fourth power of the depth, so that its sharpness is
+    linear on the screen.
+    """
+
+    offset: Float[Array, "row column 2"]
+    place: Float[Array, "row column 3"]
+    screen: Screen
+    sharpness: Float[Array, "row column"]
+
+
+def displacement_atlas(fields: Fields, cascade: Cascade) -> Atlas:
+    """Displacement (u, v) and height of all patterns, for look-ups."""
+    moved = fields.displacement
+    return Atlas.from_channels(jnp.stack([moved[..., 0], moved[..., 1], fields.height]), cascade.sizes)
+
+
+def displaced_mesh(
+    grid: RestGrid, atlas: Atlas, camera: Camera, size: tuple[int, int], curvature: Scalar
+) -> Mesh:
+    """The grid moved by the patterns, each of them filtered as wide as the vertices are apart.
+
+    A box as wide as their distance d has the variance d²/12. Waves that this removes are left to the shading, which
+    sees them as slopes: drawn with too few vertices they would flicker.
+    """
+    centre = camera.position[:2]
+    x, y, variance = (cut(v) for v in (grid.offset[..., 0], grid.offset[..., 1], grid.spacing**2 / 12))
+    u, v, height = jax.tree.map(join, jax.lax.map(lambda band: atlas(centre, *band), (x, y, variance)))
+    moved = grid.offset + jnp.stack([u, v], axis=-1)
+    flat, level = wrap(moved, height, curvature)
+    place = jnp.concatenate([flat, level[..., None]], axis=-1)
+    screen = _on_screen(place, camera, size)
+    return Mesh(grid.offset, place, screen, _sharpness(grid.offset, screen))
+
+
+def _sharpness(offset: Float[Array, "row column 2"], screen: Screen) -> Float[Array, "row column"]:
+    """From the differences of neighbouring vertices at rest and on the screen.
+
+    Taken at the vertices and not in each triangle, it is continuous: an image without jumps has the derivative of its
+    finite differences.
+    """
+    (ux, uy), (vx, vy) = _along(offset[..., 0]), _along(offset[..., 1])
+    (xx, xy), (yx, yy) = _along(screen.x), _along(screen.y)
+    area = xx * yy - xy * yx
+    # Where the surface is seen edge on, a pixel's footprint has no bound.
+    least = EDGE_ON * (xx * xx + xy * xy + yx * yx + yy * yy) + 1e-12
+    inverse = area / (area * area + least * least)
+    axes = (
+        (ux * yy - uy * yx) * inverse,
+        (uy * xx - ux * xy) * inverse,
+        (vx * yy - vy * yx) * inverse,
+        (vy * xx - vx * xy) * inverse,
+    )
+    widest = LEAST_SHARPNESS**-4
+    variance = jnp.clip(filter_variance(axes), 1e-12, widest)
+    return jnp.sqrt(jnp.sqrt(1 / variance))
+
+
+def _along(
+    values: Float[Array, "row column"],
+) -> tuple[Float[Array, "row column"], Float[Array, "row column"]]:
+    """Differences from row to row and from column to column: of both neighbours, at the borders of one."""
+
+    def central(v: Float[Array, "row column"]) -> Float[Array, "row column"]:
+        step = v[1:] - v[:-1]
+        return 0.5 * (jnp.concatenate([step[:1], step]) + jnp.concatenate([step, step[-1:]]))
+
+    return central(values), central(values.T).T
+
+
+def _on_screen(place: Float[Array, "row column 3"], camera: Camera, size: tuple[int, int]) -> Screen:
+    right, up, forward = camera.axes()
+    x, y, z = place[..., 0], place[..., 1], place[..., 2] - camera.position[2]
+
+    def along(axis: Float[Array, "3"]) -> Float[Array, "row column"]:
+        return x * axis[0] + y * axis[1] + z * axis[2]
+
+    ahead = along(forward)
+    apart = jnp.maximum(jnp.abs(ahead), 1e-12)
+    scale = camera.focal_length(size) / apart
+    sign = jnp.where(ahead > 0, 1.0, -1.0).astype(ahead.dtype)
+    column = 0.5 * size[1] * sign + along(right) * scale
+    row = 0.5 * size[0] * sign - along(up) * scale
+    return Screen(column, row, ahead)

@@ -1,0 +1,37 @@
+"""From the rest plane to a round planet: the plane is wrapped around a sphere below the camera."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+
+EARTH_CURVATURE = 1 / 6.371e6
+"""Curvature [1/m] of a sphere as large as the Earth."""
+
+
+def wrap(
+    offset: Float[Array, "*b 2"], height: Float[Array, "*b"], curvature: Scalar
+) -> tuple[Float[Array, "*b 2"], Float[Array, "*b"]]:
+    """Distances along the sphere and heights above it, as places relative to the point below the camera.
+
+    $$ x = p \\frac{\\sin κr}{κr} (1 + κη), \\quad z = η \\cos κr - 2 \\sin²(κr/2)/κ, \\quad r = |p| $$
+
+    Without curvature both stay as they are, and the derivative with respect to κ is right there too.
+
+    **Arguments:** `offset` p [m] from the point below the camera; `height` η [m]; `curvature` κ [1/m].
+    """
+    square = offset[..., 0] ** 2 + offset[..., 1] ** 2
+    # Beyond the far side of the planet there is nothing more to come.
+    turn_square = jnp.minimum(square * curvature**2, jnp.pi**2)
+    half = _sinc(0.25 * turn_square)
+    sine = _sinc(turn_square)
+    drop = 0.5 * jnp.minimum(square * curvature, jnp.pi**2 / jnp.maximum(curvature, 1e-30)) * half**2
+    cosine = 1 - 0.5 * turn_square * half**2
+    return offset * (sine * (1 + curvature * height))[..., None], height * cosine - drop
+
+
+def _sinc(square: Float[Array, "*b"]) -> Float[Array, "*b"]:
+    """sin x / x as a function of x², smooth at 0."""
+    small = square < 1e-4
+    x = jnp.sqrt(jnp.where(small, 1.0, square))
+    return jnp.where(small, 1 - square / 6, jnp.sin(x) / x)

@@ -1,0 +1,215 @@
+"""All that a camera sees of a sea: for every pixel the place, the footprint and the statistics of the surface in it."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._numerics import as_leaf
+from .._types import ScalarLike
+from ..filtering import Footprint, Moments, symmetric_matrix
+from ..surface import Cascade, Fields
+from ..surface.fft._apart import compute_apart
+from ..whitecaps import StrainStatistics, footprint_statistics
+from ._bands import cut, join
+from ._bounds import Bounds
+from ._camera import Camera, check_size
+from ._edges import Edges, find_exits, silhouettes
+from ._footprint import Seen, SurfaceMoments, displaced
+from ._hits import footprint_edges, meet
+from ._mesh import displaced_mesh, displacement_atlas
+from ._projected_grid import rest_grid
+from ._raster import visible_triangles
+
+T = TypeVar("T")
+
+
+class Visible(eqx.Module):
+    """What the pixels in some rows of an image see.
+
+    Where `hit` is false everything is finite, and means nothing. Under `jit` only what is used is computed.
+
+    **Arguments:**
+
+    - `camera`, `size`: of the image; `rows`: numbers of the rows.
+    - `hit`: whether the pixel's centre sees water.
+    - `depth`: distance of the seen point from the pinhole [m].
+    - `place`: (x, y) of that point at rest, from the point below the camera [m].
+    - `edges_of_footprint`: ∂x/∂column, ∂x/∂row, ∂y/∂column, ∂y/∂row [m] at rest.
+    - `variance`: along each axis [m²], of the isotropic filter with which slopes and strain were looked up.
+    - `seen`: means and covariances of the displaced surface's slopes and of the strain in the footprint.
+    """
+
+    camera: Camera
+    size: tuple[int, int] = eqx.field(static=True)
+    rows: Float[Array, " rows"]
+    hit: Bool[Array, "rows columns"]
+    depth: Float[Array, "rows columns"]
+    place: tuple[Float[Array, "rows columns"], ...]
+    edges_of_footprint: tuple[Float[Array, "rows columns"], ...]
+    variance: Float[Array, "rows columns"]
+    seen: Seen
+
+    @property
+    def rays(self) -> Float[Array, "rows columns 3"]:
+        """Unit vectors from the camera to what each pixel sees."""
+        return self.camera.rays(self.size, self.rows)
+
+    @property
+    def position(self) -> Float[Array, "rows columns 3"]:
+        """The seen point in the world [m]."""
+        return self.camera.position + self.depth[..., None] * self.rays
+
+    @property
+    def rest_point(self) -> Float[Array, "rows columns 2"]:
+        """The seen point at rest (x, y) [m]."""
+        return self.camera.position[:2] + jnp.stack(self.place, axis=-1)
+
+    @property
+    def footprint(self) -> Footprint:
+        """What the pixels cover at rest, for the look-ups of `jaxocean.filtering`."""
+        x_column, x_row, y_column, y_row = self.edges_of_footprint
+        rows = jnp.stack([x_column, x_row], axis=-1), jnp.stack([y_column, y_row], axis=-1)
+        return Footprint(self.rest_point, jnp.stack(rows, axis=-2))
+
+    @property
+    def slope(self) -> Float[Array, "rows columns 2"]:
+        """Mean slope (∂w/∂x, ∂w/∂y) of the displaced surface [-]."""
+        return jnp.stack(self.seen.slope, axis=-1)
+
+    @property
+    def slope_covariance(self) -> Float[Array, "rows columns 2 2"]:
+        """Covariance of those slopes inside the footprint [-]."""
+        return symmetric_matrix(jnp.stack(self.seen.slopes, axis=-1))
+
+    @property
+    def normal(self) -> Float[Array, "rows columns 3"]:
+        """Upward unit normal of the mean slope."""
+        x, y = self.seen.slope
+        length = jnp.sqrt(1 + x * x + y * y)
+        return jnp.stack([-x / length, -y / length, 1 / length], axis=-1)
+
+    @property
+    def strain(self) -> StrainStatistics:
+        """Mean and covariance of the strain in the footprint, for whitecap closures."""
+        return footprint_statistics(
+            Moments(
+                self.slope,
+                self.slope_covariance,
+                jnp.stack(self.seen.strain, axis=-1),
+                symmetric_matrix(jnp.stack(self.seen.strains, axis=-1)),
+            )
+        )
+
+
+class Raster(eqx.Module):
+    """A projected mesh, drawn with a z-buffer.
+
+    **Arguments:** `spacing`: pixels from one vertex to the next, 4 by default; fewer give sharper crests, for a cost in
+    inverse proportion to its square.
+
+    **Raises:** `ValueError` for a spacing outside 0.5 to 64 pixels.
+    """
+
+    spacing: float = eqx.field(static=True, default=4.0)
+
+    def __check_init__(self) -> None:
+        if not 0.5 <= self.spacing <= 64:
+            raise ValueError(f"Argument `spacing` must be 0.5 to 64 pixels, but is {self.spacing}.")
+
+
+def visible_points(
+    fields: Fields,
+    cascade: Cascade,
+    camera: Camera,
+    size: tuple[int, int],
+    *,
+    method: Raster | None = None,
+    curvature: ScalarLike = 0.0,
+) -> tuple[Visible, Edges]:
+    """What a camera sees of a sea at one time, for all pixels.
+
+    **Arguments:** those of `map_visible`.
+
+    **Returns:** `Visible` and the silhouettes.
+
+    **Raises:** `ValueError` for a size that makes no sense.
+    """
+    check_size(size)
+    return _visible_points(fields, cascade, camera, size, method, as_leaf(curvature))
+
+
+@eqx.filter_jit
+def _visible_points(fields, cascade, camera, size, method, curvature) -> tuple[Visible, Edges]:
+    def arrays(visible: Visible):
+        return (
+            visible.hit,
+            visible.depth,
+            visible.place,
+            visible.edges_of_footprint,
+            visible.variance,
+            visible.seen,
+        )
+
+    found, edges = map_visible(arrays, fields, cascade, camera, size, method=method, curvature=curvature)
+    dtype = fields.packed.real.dtype
+    return Visible(camera.astype(dtype), size, jnp.arange(size[0], dtype=dtype), *found), edges
+
+
+def map_visible(
+    shade: Callable[[Visible], T],
+    fields: Fields,
+    cascade: Cascade,
+    camera: Camera,
+    size: tuple[int, int],
+    *,
+    method: Raster | None = None,
+    curvature: ScalarLike = 0.0,
+) -> tuple[T, Edges]:
+    """The image of what `shade` makes of what the pixels see, in bands of rows, so that memory stays small.
+
+    Differentiable in the fields, and so in the wind, the choppiness and the time, and in the camera. Which triangle a
+    pixel sees carries no derivative; silhouettes do, once `Edges.blend` has mixed the image along them. With the image
+    of `Visible.hit` it gives the share of each pixel that water covers.
+
+    **Arguments:**
+
+    - `shade`: from a band of `Visible` to arrays (rows, columns, …). Compile the whole: it is traced at every call.
+    - `fields`: of a sea at one time (`Sea.fields`, `Ocean.fields`) on the patterns of `cascade`.
+    - `camera`: see `check_above` for one that may be under water.
+    - `size`: (rows, columns) of the image.
+    - `method`: how the water that a pixel sees is found; `Raster()` if None.
+    - `curvature`: of the planet [1/m], 0 for a plane; see `EARTH_CURVATURE`.
+
+    **Returns:** the arrays of the whole image, and the silhouettes.
+
+    **Raises:** `ValueError` for a size that makes no sense.
+    """
+    check_size(size)
+    dtype = fields.packed.real.dtype
+    camera, curvature = camera.astype(dtype), as_leaf(curvature).astype(dtype)
+    bounds = Bounds.of_fields(fields)
+    grid = rest_grid(camera, size, (method or Raster()).spacing, bounds, curvature)
+    mesh = displaced_mesh(grid, displacement_atlas(fields, cascade), camera, size, curvature)
+    nearest = jnp.maximum(camera.position[2] - bounds.lowest, 1e-3) / 256
+    triangle = visible_triangles(jax.lax.stop_gradient(mesh.screen), size, jax.lax.stop_gradient(nearest))
+    moments = SurfaceMoments.from_fields(fields, cascade)
+    forward = camera.axes()[2]
+
+    def one(band):
+        triangle, rows = band
+        # What is apart is computed once; XLA would rather compute it again in each of its many users.
+        hits = compute_apart(lambda: meet(mesh, triangle, rows), rows[0] >= 0)
+        exits = find_exits(mesh, triangle, hits, rows)
+        seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
+        depth = hits.ahead / (camera.rays(size, rows) @ forward)
+        visible = Visible(
+            camera, size, rows, hits.hit, depth, (hits.x, hits.y), footprint_edges(hits), hits.variance, seen
+        )
+        return shade(visible), exits
+
+    shaded, exits = jax.lax.map(one, (cut(triangle), cut(jnp.arange(size[0], dtype=dtype))))
+    return jax.tree.map(join, shaded), silhouettes(jax.tree.map(join, exits))

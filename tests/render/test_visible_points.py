@@ -1,0 +1,317 @@
+"""What the rasteriser sees, against planes, against brute force, and against finite differences."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from _derivatives import finite_difference
+from _waves import wind_sea
+
+from jaxocean.filtering import Footprint, MomentPyramid
+from jaxocean.render import EARTH_CURVATURE, Camera, Raster, SurfaceMoments, map_visible, visible_points
+from jaxocean.render._bounds import Bounds
+from jaxocean.render._mesh import displaced_mesh, displacement_atlas
+from jaxocean.render._projected_grid import rest_grid
+from jaxocean.surface import Cascade, Fields, realise
+
+SIZE = (48, 80)
+CASCADE = Cascade((200.0, 23.0), 32)
+TIME = 3.0
+
+
+def flat_fields(dtype=jnp.complex128):
+    return Fields(jnp.zeros((2, 4, 32, 32), dtype))
+
+
+def in_float32(tree):
+    return jax.tree.map(lambda x: x.astype(np.complex64 if jnp.iscomplexobj(x) else np.float32), tree)
+
+
+@pytest.fixture(scope="module")
+def sea():
+    return realise(wind_sea(14.0), CASCADE, key=jax.random.key(3))
+
+
+@pytest.fixture(scope="module")
+def storm():
+    return realise(wind_sea(28.0), CASCADE, key=jax.random.key(4))
+
+
+CAMERAS = {
+    "oblique": Camera((3.0, 4.0, 20.0), heading=0.5, pitch=0.6),
+    "rolled": Camera((3.0, 4.0, 20.0), heading=-2.0, pitch=0.3, roll=0.7, field_of_view=1.4),
+    "straight down": Camera((0.0, 0.0, 5000.0), heading=1.0, pitch=np.pi / 2),
+    "low": Camera((0.0, 0.0, 0.5), pitch=0.05),
+    "from orbit": Camera((1e4, 0.0, 4e5), pitch=1.2),
+}
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_a_flat_sea_is_the_plane(name):
+    camera = CAMERAS[name]
+    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE)
+    rays = np.asarray(camera.rays(SIZE))
+    below = rays[..., 2] < -1e-4
+    assert below.any()
+    np.testing.assert_array_equal(visible.hit, below)
+    exact = (float(camera.position[2]) / -rays[..., 2])[below]
+    np.testing.assert_allclose(visible.depth[below], exact, rtol=1e-6)
+    place = np.asarray(camera.position[:2]) + exact[:, None] * rays[below][:, :2]
+    np.testing.assert_allclose(visible.rest_point[below], place, rtol=1e-6, atol=1e-6 * np.abs(place).max())
+    np.testing.assert_allclose(visible.position[below][:, 2], 0, atol=1e-6 * exact.max())
+    assert np.all(np.asarray(visible.normal)[below] == [0, 0, 1])
+
+
+def test_footprints_of_a_flat_sea_are_the_derivatives_of_its_plane():
+    camera = CAMERAS["rolled"]
+    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE)
+
+    def place(pixel):
+        x = (pixel[0] - 40.0) / camera.focal_length(SIZE)
+        y = (24.0 - pixel[1]) / camera.focal_length(SIZE)
+        right, up, forward = camera.axes()
+        ray = x * right + y * up + forward
+        return camera.position[:2] - ray[:2] * camera.position[2] / ray[2]
+
+    pixels = np.argwhere(np.asarray(visible.hit))[::97]
+    expected = jax.vmap(jax.jacfwd(place))(jnp.asarray(pixels[:, ::-1] + 0.5))
+    found = np.asarray(visible.footprint.axes)[tuple(pixels.T)]
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+
+
+def test_no_pixel_below_the_horizon_is_void_for_a_hundred_cameras(storm):
+    rng = np.random.default_rng(0)
+    see = eqx.filter_jit(
+        lambda fields, camera, curvature: map_visible(
+            lambda v: (v.hit, v.depth, v.seen), fields, CASCADE, camera, SIZE, curvature=curvature
+        )
+    )
+    crests = 0
+    places = rng.uniform(-2e3, 2e3, (100, 2))
+    water = np.asarray(storm.height_at(places[1::2], TIME, 1.3))
+    among, wilder = (in_float32(storm.fields(TIME, choppiness)) for choppiness in (1.3, 2.5))
+    for number, place in enumerate(places):
+        # Cameras among the waves, where margins matter most and crests are above the camera, and up to orbit.
+        fields = among if number % 2 else wilder
+        height = water[number // 2] + rng.uniform(0.2, 3.0) if number % 2 else 10 ** rng.uniform(1.3, 5.5)
+        camera = Camera(
+            (*place, height),
+            heading=rng.uniform(-3, 3),
+            pitch=rng.uniform(-0.4, np.pi / 2),
+            field_of_view=rng.uniform(0.2, 2.0),
+            roll=rng.uniform(-3, 3) if number % 3 else 0.0,
+        )
+        curvature = EARTH_CURVATURE if number % 4 == 0 else 0.0
+        (hit, *numbers), edges = see(fields, camera, np.float32(curvature))
+        down = np.arcsin(-np.asarray(camera.rays(SIZE))[..., 2])
+        horizon = np.arccos(1 / (1 + curvature * height))
+        pixel = float(camera.field_of_view) / SIZE[0]
+        below = down > horizon + (0.5 * pixel if curvature else 1e-4)
+        void = np.sum(below & ~np.asarray(hit))
+        assert void == 0, (
+            f"{void} void pixels of camera {number}: {eqx.tree_pformat(camera, short_arrays=False)}"
+        )
+        crests += int(np.sum(np.asarray(hit) & (down < -1e-3)))
+        for leaf in jax.tree.leaves((numbers, edges)):
+            assert np.all(np.isfinite(leaf))
+    assert crests > 100, "some crests must rise above the horizon for this test to mean all it says"
+
+
+def brute_force(place, camera, size):
+    """Depth along each ray to the nearest triangle, by the rule of Möller and Trumbore."""
+    corners = np.asarray(place)
+    a, b, c, d = corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]
+    triangles = np.concatenate(
+        [np.stack([a, b, c], -2).reshape(-1, 3, 3), np.stack([a, c, d], -2).reshape(-1, 3, 3)]
+    )
+    start = np.array([0.0, 0.0, float(camera.position[2])])
+    e1, e2 = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    s = start - triangles[:, 0]
+    q = np.cross(s, e1)
+    depth = np.full(size, np.inf)
+    for pixel in np.ndindex(size):
+        ray = np.asarray(camera.rays(size))[pixel]
+        p = np.cross(ray, e2)
+        det = np.sum(e1 * p, -1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u, v, t = np.sum(s * p, -1) / det, q @ ray / det, np.sum(e2 * q, -1) / det
+        inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0)
+        depth[pixel] = np.min(t[inside], initial=np.inf)
+    return depth
+
+
+@pytest.mark.parametrize("height", [9.0, 45.0])
+def test_depths_are_those_of_brute_force_on_the_same_mesh(storm, height):
+    fields = storm.fields(TIME, 1.8)
+    camera = Camera((5.0, 3.0, height), heading=0.3, pitch=0.35, field_of_view=1.2)
+    size = SIZE
+    zero = jnp.zeros(())
+    grid = rest_grid(camera, size, 4.0, Bounds.of_fields(fields), zero)
+    mesh = displaced_mesh(grid, displacement_atlas(fields, CASCADE), camera, size, zero)
+    expected = brute_force(mesh.place, camera, size)
+    visible, _ = visible_points(fields, CASCADE, camera, size)
+    np.testing.assert_array_equal(visible.hit, np.isfinite(expected))
+    hit = np.asarray(visible.hit)
+    ratio = np.asarray(visible.depth)[hit] / expected[hit]
+    # Sheets closer than the steps of the depth buffer may be taken for each other.
+    np.testing.assert_allclose(ratio, 1, atol=2e-3)
+    assert np.mean(np.abs(ratio - 1) < 1e-6) > 0.99
+
+
+def test_a_finer_mesh_sees_the_surface_itself(sea):
+    fields = sea.fields(TIME, 1.0)
+    camera = Camera((0.0, 0.0, 25.0), pitch=1.2, field_of_view=0.9)
+    visible, _ = visible_points(fields, CASCADE, camera, SIZE, method=Raster(1.0))
+    point = jnp.asarray(visible.rest_point)
+    exact = jnp.concatenate(
+        [point + sea.displacement(point, TIME, 1.0), sea.height(point, TIME)[..., None]], axis=-1
+    )
+    error = np.linalg.norm(np.asarray(visible.position - exact), axis=-1)
+    assert np.sqrt(np.mean(error**2)) < 0.12 * float(jnp.std(jnp.sum(fields.height, 0)))
+
+
+def smooth_image(x, sea):
+    """A number from the whole image, of the camera's height, pitch and roll, choppiness and time."""
+    camera = Camera(
+        jnp.stack([jnp.asarray(1.0), jnp.asarray(2.0), x[0]]), pitch=x[1], roll=x[2], field_of_view=0.8
+    )
+    fields = sea.fields(x[4], x[3])
+    image, edges = map_visible(
+        lambda v: v.seen.slope[0] + 10 * v.seen.slopes[1] + v.seen.strain[1] + 1 / v.depth,
+        fields,
+        CASCADE,
+        camera,
+        SIZE,
+    )
+    return jnp.mean(edges.blend(image) ** 2)
+
+
+def test_the_derivative_of_a_smooth_image_is_that_of_finite_differences(sea):
+    x = jnp.array([45.0, 0.9, 0.2, 0.8, 1.5])
+    value, forward = jax.jit(smooth_image), jax.jit(jax.jacfwd(smooth_image))
+    found = np.asarray(forward(x, sea))
+    assert np.all(np.isfinite(found))
+    scale = np.array([1e-4, 1e-6, 1e-6, 1e-5, 1e-5])
+    for i, step in enumerate(scale):
+        expected = finite_difference(lambda y: value(y, sea), x, jnp.eye(5)[i], float(step))
+        np.testing.assert_allclose(found[i], expected, rtol=0.01, err_msg=f"parameter {i}")
+
+
+def horizon_coverage(x):
+    camera = Camera(
+        jnp.stack([jnp.asarray(0.0), jnp.asarray(0.0), jnp.asarray(20.0)]),
+        pitch=x[0],
+        roll=x[1],
+        field_of_view=0.8,
+    )
+    hit, edges = map_visible(lambda v: v.hit.astype(float), flat_fields(), CASCADE, camera, SIZE)
+    return jnp.mean(edges.blend(hit))
+
+
+def test_the_horizon_covers_the_area_below_it_and_has_its_derivative():
+    x = jnp.array([0.12, 0.2])
+    focal = 24 / np.tan(0.4)
+    level = focal * np.tan(0.12) / np.cos(0.2)  # pixels above the centre
+    np.testing.assert_allclose(horizon_coverage(x), (24 + level) / 48, atol=2e-4)
+    slope = jax.jit(jax.jacfwd(horizon_coverage))(x)
+    expected = [
+        focal / np.cos(0.12) ** 2 / np.cos(0.2) / 48,
+        level * np.tan(0.2) / 48,
+    ]
+    np.testing.assert_allclose(slope, expected, rtol=0.02, atol=0.005)
+
+
+def test_crest_edges_carry_the_derivative_of_the_area_that_water_covers(storm):
+    fields = storm.fields(TIME, 1.2)
+
+    def coverage(x):
+        camera = Camera(
+            jnp.stack([jnp.asarray(30.0), jnp.asarray(60.0), x[0]]), pitch=x[1], field_of_view=0.5
+        )
+        hit, edges = map_visible(lambda v: v.hit.astype(float), fields, CASCADE, camera, SIZE)
+        return jnp.mean(edges.blend(hit))
+
+    value, forward = jax.jit(coverage), jax.jit(jax.jacfwd(coverage))
+    x = jnp.array([9.0, 0.05])
+    found = forward(x)
+    assert np.all(np.isfinite(found))
+    expected = [
+        finite_difference(value, x, unit, step) for unit, step in zip(jnp.eye(2), (0.02, 1e-3), strict=True)
+    ]
+    np.testing.assert_allclose(found, expected, rtol=0.05)
+
+
+def test_what_a_wider_filter_takes_from_the_means_it_gives_to_the_covariances(sea):
+    fields = sea.fields(TIME, 1.3)
+    moments = SurfaceMoments.from_fields(fields, CASCADE)
+    x, y = jnp.asarray(np.random.default_rng(0).uniform(0, 4600, (2, 60000)))
+    variance = jnp.sum(fields.slope**2, axis=(0, -1)).mean(), jnp.sum(fields.strain**2, axis=(0, -1)).mean()
+    shares = []
+    for width in (13.0, 40.0, 200.0, 3000.0):
+        seen = moments(jnp.zeros(2), x, y, jnp.full(x.shape, width**2 / 12))
+        slope = np.mean(sum(s**2 for s in seen.slope)), np.mean(sum(seen.slopes[:2]))
+        strain = np.mean(sum(s**2 for s in seen.strain)), np.mean(sum(seen.strains[:3]))
+        np.testing.assert_allclose(sum(slope), variance[0], rtol=0.03)
+        np.testing.assert_allclose(sum(strain), variance[1], rtol=0.03)
+        shares.append(slope[0] / variance[0])
+    assert shares[0] > 0.2
+    assert shares[-1] < 1e-4
+    assert np.all(np.diff(shares) < 0)
+
+
+def test_moments_agree_on_average_with_those_of_the_exact_pyramid(sea):
+    fields = sea.fields(TIME, 1.3)
+    fast, exact = SurfaceMoments.from_fields(fields, CASCADE), MomentPyramid.from_fields(fields, CASCADE)
+    x, y = jnp.asarray(np.random.default_rng(1).uniform(0, 4600, (2, 4000)))
+    for side in (3.0, 20.0):
+        seen = fast(jnp.zeros(2), x, y, jnp.full(x.shape, side**2 / 12))
+        found = exact(Footprint.square(jnp.stack([x, y], -1), side), probes=1)
+        assert np.corrcoef(seen.slope[0], found.slope_mean[:, 0])[0, 1] > 0.99
+        total = np.mean(found.slope_mean[:, 0] ** 2 + found.slope_covariance[:, 0, 0])
+        assert abs(np.mean(seen.slopes[0]) - np.mean(found.slope_covariance[:, 0, 0])) < 0.1 * total
+        total = np.mean(found.strain_mean[:, 1] ** 2 + found.strain_covariance[:, 1, 1])
+        assert abs(np.mean(seen.strains[1]) - np.mean(found.strain_covariance[:, 1, 1])) < 0.1 * total
+
+
+def test_a_camera_one_period_away_sees_the_same(sea):
+    fields = sea.fields(TIME, 1.3)
+    near = visible_points(fields, CASCADE, CAMERAS["oblique"], SIZE)[0]
+    moved = eqx.tree_at(
+        lambda c: c.position,
+        CAMERAS["oblique"],
+        CAMERAS["oblique"].position + jnp.array([4600.0, -9200.0, 0]),
+    )
+    far = visible_points(fields, CASCADE, moved, SIZE)[0]
+    np.testing.assert_allclose(near.depth, far.depth, rtol=1e-9)
+    np.testing.assert_allclose(near.slope, far.slope, atol=1e-9)
+
+
+def test_the_horizon_of_a_round_planet_is_as_low_as_its_height_tells():
+    height, curvature = 2e5, EARTH_CURVATURE
+    dip = np.arccos(1 / (1 + height * curvature))
+    camera = Camera((0.0, 0.0, height), pitch=dip, field_of_view=0.1)
+    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE, curvature=curvature)
+    rows = np.asarray(visible.hit)[:, 40]
+    assert not rows[:23].any()
+    assert rows[25:].all()
+    # All of it lies on the sphere.
+    place = np.asarray(visible.position)[np.asarray(visible.hit)]
+    radius = np.hypot(np.hypot(place[:, 0], place[:, 1]), place[:, 2] + 1 / curvature)
+    np.testing.assert_allclose(radius * curvature, 1, atol=2e-4)
+
+
+def test_cameras_are_batched_by_vmap():
+    heights = jnp.array([10.0, 30.0])
+    cameras = eqx.filter_vmap(lambda z: Camera(jnp.stack([0 * z, 0 * z, z]), pitch=0.5))(heights)
+    see = eqx.filter_vmap(lambda camera: visible_points(flat_fields(), CASCADE, camera, SIZE)[0].depth)
+    depth = see(cameras)
+    below = np.s_[24:]
+    np.testing.assert_allclose(depth[1][below], 3 * depth[0][below], rtol=1e-6)
+
+
+def test_a_spacing_that_makes_no_sense_is_refused():
+    with pytest.raises(ValueError, match="spacing"):
+        Raster(0.0)
+    with pytest.raises(ValueError, match="size"):
+        visible_points(flat_fields(), CASCADE, CAMERAS["low"], (0, 10))
