@@ -25,6 +25,7 @@ def report(store: Files, view: View) -> Result:
         tables.append(_limit_table(view))
     exact = view.calibrations["exact"]
     notes = [exact.shared.identifiability, *exact.shared.warnings]
+    notes += _build.outside_validity(config.spectrum, config.wind)
     if config.band is None:
         notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
     if config.realisations and view.check is None:

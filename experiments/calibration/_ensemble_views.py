@@ -17,6 +17,10 @@ from ..harness._files import Files, variable
 STYLES = {"total": "-", "decaying": "--", "active": ":"}
 
 
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "h", "d")
+"""Marks of laws, in their order."""
+
+
 @dataclass(frozen=True)
 class View:
     """What is to be shown: all laws with λ free and with λ held, and those of whole foam with their band."""
@@ -53,8 +57,18 @@ def _plot_coverage(axes: Axes, view: View) -> None:
         speeds, band.lower, band.upper, color="#BFD9EA", lw=0, label=f"calibrated seas, {percent}"
     )
     axes.plot(speeds, band.median, color=_plots.BLUE, lw=2.6, label="calibrated seas, median")
-    for member, colour in zip(view.free.members, view.colours, strict=True):
-        axes.plot(speeds, member.law_coverage, STYLES[member.law.foam], color=colour, lw=1.4)
+    for i, (member, colour) in enumerate(zip(view.free.members, view.colours, strict=True)):
+        style: Any = {"marker": MARKS[i % len(MARKS)], "ms": 5, "mec": "white", "mew": 0.5}
+        # Marks at different places, so that they do not hide each other.
+        axes.plot(
+            speeds,
+            member.law_coverage,
+            STYLES[member.law.foam],
+            color=colour,
+            lw=1.3,
+            markevery=(i % 4, 4),
+            **style,
+        )
         if member.law.foam == "active":
             axes.plot(speeds, member.coverage, color=_plots.VERMILION, lw=1.4, dashes=(6, 2))
     shown = {member.law.foam for member in view.free.members}
@@ -69,7 +83,9 @@ def _plot_coverage(axes: Axes, view: View) -> None:
         handles.append(
             Line2D([], [], color=_plots.VERMILION, lw=1.4, dashes=(6, 2), label="sea of active breaking")
         )
-    axes.legend(handles=handles, loc="lower right", title="colours of laws as in (b)", title_fontsize=9)
+    axes.legend(
+        handles=handles, loc="lower right", title="colours and marks of laws as in (b)", title_fontsize=9
+    )
     low = min(view.config.least, *(float(np.min(m.coverage)) for m in view.whole.members))
     axes.set(yscale="log", ylim=(max(low, view.config.least) * 0.8, 0.5), xlabel="wind speed U10 (m/s)")
     axes.set(
@@ -84,16 +100,16 @@ def _plot_thresholds(axes: Axes, view: View) -> None:
     for place, i in enumerate(order):
         colour = view.colours[i]
         axes.errorbar(
-            view.free.values("threshold")[i], place - 0.14, xerr=wide[i], fmt="s", mfc="white", color=colour, ms=4.5,
-            capsize=2, lw=1,
+            view.free.values("threshold")[i], place - 0.14, xerr=wide[i], fmt=MARKS[i % len(MARKS)],
+            mfc="white", color=colour, ms=5, capsize=2, lw=1,
         )  # fmt: skip
         axes.errorbar(
             view.held.values("threshold")[i],
             place + 0.14,
             xerr=narrow[i],
-            fmt="o",
+            fmt=MARKS[i % len(MARKS)],
             color=colour,
-            ms=4.5,
+            ms=5,
             capsize=2,
         )
     names = [short(view.held.members[i].law.name) for i in order]
@@ -106,7 +122,7 @@ def _plot_thresholds(axes: Axes, view: View) -> None:
             Line2D(
                 [],
                 [],
-                marker="s",
+                marker="o",
                 mfc="white",
                 label=f"λ = {prior.mean:g} ± {prior.deviation:g}, fitted",
                 **dark,

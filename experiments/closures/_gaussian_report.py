@@ -214,6 +214,7 @@ def _notes(seas: list[Comparison], verdicts: dict, config: schema.GaussianVsMont
         f"{(1 - config.confidence) * exact['cases']:.1g} of them outside."
     )
     notes.append(_published_note(seas, config))
+    notes += _build.outside_validity(config.spectrum, config.wind)
     return notes + _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
 
 

@@ -138,6 +138,7 @@ def _result(numbers: dict[str, float], config: schema.CoverageConfig) -> Result:
     notes = [_coverage_views.answer(numbers, config)]
     if not published >= 0:
         notes.append("The published formula is undefined here: its variance is negative.")
+    notes += _build.outside_validity(config.spectrum, config.wind)
     if config.band is None:
         notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
     return Result(

@@ -1,5 +1,6 @@
 """From sections of a config to jaxocean's objects: the one place that knows both names and classes."""
 
+import math
 from collections.abc import Callable
 
 import equinox as eqx
@@ -47,6 +48,60 @@ def unresolved_breaking(cascade: jo.surface.Cascade, breaking_wavenumber: float 
     return [
         f"Warning: k_b = {breaking_wavenumber:.4g} rad/m lies beyond the {limit:.4g} rad/m that the cascade resolves, "
         "so that the coverage depends on the grid: lower breaking_wavenumber, or raise cascade.resolution."
+    ]
+
+
+VALID_SPEED, VALID_AGE = (1.0, 50.0), (0.84, 5.0)
+"""U10 [m/s] and Ω [-] for which Elfouhaily's spectrum was made."""
+
+WAVELENGTHS, SHARE = 2.5, 0.95
+"""A cascade holds a peak if its largest pattern has so many peak wavelengths, and so much of the height variance."""
+
+
+def outside_validity(config: schema.SpectrumConfig, over: schema.WindConfig) -> list[str]:
+    """Notes for results whose wind or wave age the spectrum was not made for."""
+    if not isinstance(config, schema.ElfouhailyConfig):
+        return []
+    speeds = over.speed if isinstance(over.speed, tuple) else (over.speed,)
+    notes = []
+    low, high = VALID_SPEED
+    strange = [speed for speed in speeds if not low <= speed <= high]
+    if strange:
+        notes.append(
+            f"Warning: Elfouhaily's spectrum was made for U10 from {low:g} to {high:g} m/s, but here "
+            f"U10 = {', '.join(f'{speed:g}' for speed in strange)} m/s: it is an extrapolation."
+        )
+    low, high = VALID_AGE
+    ages = [config.inverse_wave_age]
+    if config.inverse_wave_age is None:
+        ages = [float(wind(over, speed=speed).inverse_wave_age()) for speed in speeds if speed > 0]
+    for age in ages:
+        if age is not None and not low * (1 - 1e-3) <= age <= high * (1 + 1e-3):
+            notes.append(
+                f"Warning: Elfouhaily's spectrum was made for Ω from {low:g} (fully developed) to {high:g}, but here "
+                f"Ω = {age:.3g}: it is an extrapolation."
+            )
+            break
+    return notes
+
+
+def unheld_waves(
+    cascade: jo.surface.Cascade, peak_wavenumber: float, whole_height: float, held_height: float
+) -> list[str]:
+    """A note for realised seas whose longest waves do not fit.
+
+    **Arguments:** `peak_wavenumber` [rad/m]; significant wave heights [m]: of the spectrum, and of what the patterns
+    hold.
+    """
+    largest, wave = max(cascade.sizes), 2 * math.pi / peak_wavenumber
+    share = (held_height / whole_height) ** 2 if whole_height > 0 else 1.0
+    if largest >= WAVELENGTHS * wave and share >= SHARE:
+        return []
+    return [
+        f"Warning: the cascade does not hold the peak: its largest pattern of {largest:g} m has {largest / wave:.2g} "
+        f"peak wavelengths ({wave:.3g} m), its patterns hold {100 * share:.3g} % of the height variance, and what is "
+        f"realised has Hs = {held_height:.3g} m instead of {whole_height:.3g} m: give cascade.sizes one pattern of at "
+        f"least {math.ceil(WAVELENGTHS * wave):g} m."
     ]
 
 

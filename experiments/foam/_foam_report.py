@@ -178,6 +178,7 @@ def _notes(view: View, means: dict, errors: dict, events: dict) -> list[str]:
         "shortest ones."
     )
     notes.append(_event_note(view, events))
+    notes += _build.outside_validity(config.spectrum, config.wind)
     return notes + _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
 
 

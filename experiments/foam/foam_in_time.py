@@ -46,9 +46,8 @@ def run(config: schema.FoamInTimeConfig, progress: Reporter, store: Files) -> Re
     """Calibrate ε and τ, then let foam live on a tile; see `schema.FoamInTimeConfig`."""
     measured = None if (path := config.events_file()) is None else read_measured(path)
     _check_tile(config)
-    progress.step("Calibrating threshold and decay time")
     with jax.enable_x64(True):
-        calibration = _calibrate(config)
+        calibration = _calibrate(config, progress)
     growths = _grow_all(config, calibration, progress)
     progress.step("Drawing")
     view = View(config, calibration, growths, measured)
@@ -75,25 +74,30 @@ def _target(config: schema.FoamInTimeConfig, law: str) -> fitting.CoverageLaw:
         return fitting.CoverageLaw(_build.law(law), _winds(config, config.wind.speed))
 
 
-def _calibrate(config: schema.FoamInTimeConfig) -> Calibration:
+def _calibrate(config: schema.FoamInTimeConfig, progress: Reporter) -> Calibration:
     """ε from the active law, then τ from the total law: shared, for each wind, and for other k_b; closed forms."""
     winds = _winds(config, config.wind.speed)
+    progress.step("Calibrating the threshold to the active law")
     active, threshold = _fit_threshold(
         config, _active_model(config, config.breaking_wavenumber, _waves(config))
     )
+    progress.step("Calibrating the decay time to the total law")
     total, decay_time = _fit_decay_time(config, active)
     if config.decay_time is not None:
         total = eqx.tree_at(lambda m: m.decay_time, total, jnp.asarray(config.decay_time))
     points = _points(total, winds, jnp.full(winds.speed.shape, active.threshold))
+    progress.step("Closed forms at every decay time")
     tau = jnp.asarray(sorted({*config.decay_times, float(total.decay_time)}))
     closed = {
         (name, measure): np.asarray(eqx.filter_vmap(closure(measure), in_axes=(0, None))(points, tau))
         for name, closure in (("renewal", foam.RenewalFoam), ("poisson", foam.PoissonFoam))
         for measure in MEASURES
     }
+    progress.step("A threshold and a decay time for each wind")
     each = fitting.Parameter(lambda m: m.threshold, per_wind=True)
     own = fitting.fit(active, each, _target(config, config.active_law)).values["threshold"]
     total_law = _law(config, config.total_law)
+    progress.step("Decay times against the breaking wavenumber")
     return Calibration(
         threshold=threshold,
         decay_time=decay_time,

@@ -17,6 +17,7 @@ def report(store: Files, found: Found, config: schema.FootprintBiasConfig) -> Re
     """Result, tables, and `report.md`."""
     claim = judge(found)
     notes = answers(found, claim)
+    notes += _build.outside_validity(config.spectrum, config.wind)
     notes += _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
     tables = (
         _trust_table(found),

@@ -1,11 +1,15 @@
 """What an experiment says while it works."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+SECONDS = 5.0
+"""At least so long between two lines of one count."""
 
 
 class Reporter(Protocol):
@@ -31,7 +35,7 @@ class Silent:
 
 
 class Bars:
-    """Live lines on a terminal; on anything else one line per step."""
+    """Live lines on a terminal; on anything else one line per step, and for a long count one every few seconds."""
 
     def __init__(self, console: Console, progress: Progress) -> None:
         self._console, self._progress = console, progress
@@ -42,7 +46,18 @@ class Bars:
 
     def count(self, what: str, total: int) -> Callable[[], None]:
         task = self._start(what, total)
-        return lambda: self._progress.update(task, advance=1)
+        done, told = 0, time.monotonic()
+
+        def advance() -> None:
+            nonlocal done, told
+            done += 1
+            self._progress.update(task, advance=1)
+            # In a log a bar is a line now and then.
+            if not self._console.is_terminal and done < total and time.monotonic() - told >= SECONDS:
+                told = time.monotonic()
+                self._console.print(f"{what}: {done} of {total} …", highlight=False)
+
+        return advance
 
     def _start(self, what: str, total: int | None):
         if not self._console.is_terminal:

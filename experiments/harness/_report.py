@@ -31,7 +31,7 @@ def _table(table: Table) -> RichTable:
     rich = RichTable(box=SIMPLE_HEAD)
     for position, column in enumerate(table.columns):
         numeric = all(not isinstance(row[position], str) or row[position] in NONE for row in table.rows)
-        rich.add_column(Text(column), justify="right" if numeric else "left", no_wrap=not numeric)
+        rich.add_column(Text(column), justify="right" if numeric else "left", overflow="fold")
     for row in table.cells():
         rich.add_row(*(Text(text) for text in row))
     return rich

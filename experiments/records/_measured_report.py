@@ -9,6 +9,9 @@ from ..common import _build
 from ._measured_records import Station
 from ._measured_views import FLOOR, tail_name
 
+LEAST = 1e-6
+"""Smaller shares are told as less than this."""
+
 
 def report(
     stations: Sequence[Station],
@@ -37,13 +40,16 @@ def _paragraph(station: Station, laws: Mapping[str, np.ndarray], config: schema.
     steep, flat = float(np.median(n.other_tails[:, 0])), float(np.median(n.other_tails[:, 1]))
     share = float(np.mean(n.measured_slope / np.where(n.mean_square_slope > 0, n.mean_square_slope, 1.0)))
     worst, best = (_percent(float(np.median(n.projected[:, i]))) for i in (0, 2))
+    spread, it = _percent(middle), "it"
+    if station.times.size > 1:
+        spread = f"median {_percent(middle)}, 5 to 95 % of the records {_percent(low)} to {_percent(high)}"
+        it = "that median"
     lines = [
         f"## {station.name}\n",
         f"{_count(station)}, {_period(station)}Hs {_range(n.wave_height)} m, Tp {_range(n.peak_period)} s. "
         f"The waves that were measured hold {100 * share:.2g} % of the mean-square slope; the rest is tail.",
-        f"Coverage with tail {tail_name(config)}, projected area: median {_percent(middle)}, 5 to 95 % of the records "
-        f"{_percent(low)} to {_percent(high)}. The error of ε makes that median {worst} to {best}, a tail between f^-5 "
-        f"and f^-4 {_percent(steep)} to {_percent(flat)}.",
+        f"Coverage with tail {tail_name(config)}, projected area: {spread}. The error of ε makes "
+        f"{it} {worst} to {best}, a tail between f^-5 and f^-4 {_percent(steep)} to {_percent(flat)}.",
     ]
     lines += [_compare(name, coverage, n.projected[:, 1]) for name, coverage in laws.items()]
     if station.times.size > 2:
@@ -80,4 +86,9 @@ def _range(values: np.ndarray) -> str:
 
 
 def _percent(share: float | np.floating) -> str:
-    return f"{100 * share:.2g} %" if share > FLOOR else "none"
+    """A share that can be read: no exponents, and nothing smaller than one millionth."""
+    if not share > FLOOR:
+        return "none"
+    if share < LEAST:
+        return f"less than {100 * LEAST:g} %"
+    return f"{float(f'{100 * share:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"

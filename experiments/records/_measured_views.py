@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from .. import schema
@@ -65,6 +66,13 @@ def plot_records(
             ha="left",
         )
         if station.dated:
+            # With the year, which the ticks of short records leave out.
+            locator = AutoDateLocator()
+            bottom.xaxis.set_major_locator(locator)
+            bottom.xaxis.set_major_formatter(ConciseDateFormatter(locator))
+            first, last = (str(end)[:10] for end in (station.times.min(), station.times.max()))
+            period = first if first == last else f"{first} to {last}"
+            bottom.set_xlabel(f"time (UTC), {period}")
             fig.autofmt_xdate(rotation=0, ha="center")
         store.picture(f"{station.name}_records", fig)
 
@@ -105,9 +113,7 @@ def _plot_height(axes: Axes, line: Line, station: Station) -> None:
 
 def _plot_slope(axes: Axes, line: Line, station: Station, config: schema.MeasuredSeaConfig) -> None:
     numbers, name = station.numbers, _label(config)
-    axes.plot(
-        line.along, line.broken(numbers.mean_square_slope), color=_plots.BLUE, label=f"with tail {name}"
-    )
+    axes.plot(line.along, line.broken(numbers.mean_square_slope), color=_plots.BLUE, label=f"with {name}")
     axes.plot(line.along, line.broken(numbers.measured_slope), color=_plots.GREY, label="below the cut-off")
     axes.set(ylabel="mss (-)", ylim=(0, None), title="(b) Mean-square slope")
     axes.legend(loc="lower right", bbox_to_anchor=(1, 0.98), ncols=2)

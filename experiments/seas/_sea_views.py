@@ -66,7 +66,9 @@ def plot_maps(store: Files, maps: dict[str, np.ndarray], config: schema.SeaState
     with _plots.figure(size=(6.4, 5.2)) as (fig, axes):
         _plots.field_map(axes, maps["jacobian"], close, label="Jacobian j (-)", centre=1.0, colours="RdBu")
         _plots.outline_below(axes, maps["jacobian"], config.threshold, close)
-        axes.set_title(f"Folding map; black: breaking, j < {config.threshold:g}")
+        broken = float(np.mean(maps["jacobian"] < config.threshold))
+        marked = "black: breaking" if broken > 0 else "nothing breaks here"
+        axes.set_title(f"Folding map; {marked}, ε = {config.threshold:g}")
         store.picture("folding", fig)
 
 
@@ -81,7 +83,8 @@ def report(values: Mapping[str, Any], config: schema.SeaStateConfig, notes: Sequ
     )
     water = "deep water" if depth is None else f"water of {depth:g} m"
     listed = "".join(f"\n- {note}" for note in notes)
-    return f"""# {config.title or "A sea state"}
+    name = config.spectrum.family.replace("_", "-").title()
+    return f"""# Sea state: {name} at U10 = {config.wind.speed:g} m/s{beside}
 
 The sea ({config.spectrum.family} at U10 = {config.wind.speed:g} m/s{beside}, {water}) has a significant wave height \
 of {float(values["significant_wave_height_m"]):.4g} m, a peak period of {float(values["peak_period_s"]):.4g} s and a \
@@ -94,7 +97,13 @@ place at one time.
 
 ![the spectrum](spectrum.png)
 
+![the spectrum by direction](directional.png)
+
 ![the height](height.png)
+
+![the normals](normal.png)
+
+![where the surface folds](folding.png)
 {listed}"""
 
 

@@ -77,7 +77,7 @@ def _plot_age(axes: Axes, states: Any, config: schema.SeaStatesConfig) -> None:
     _plot_winds(axes, states.age, states.aged, states.law_aged, config)
     axes.set(xlabel="inverse wave age Ω = U10/c_p (-)", title="(c) Younger wind seas at one wind")
     axes.set(xlim=tuple(states.age[[0, -1]]))
-    axes.legend(loc="lower left")
+    axes.legend(loc="upper center", ncols=2)
 
 
 def _plot_fetch(axes: Axes, states: Any, config: schema.SeaStatesConfig) -> None:
@@ -88,16 +88,25 @@ def _plot_fetch(axes: Axes, states: Any, config: schema.SeaStatesConfig) -> None
         title="(d) Fetch at one wind",
         xlim=tuple(states.fetch[[0, -1]] / 1e3),
     )
-    axes.legend(loc="lower right")
+    axes.legend(loc="upper center", ncols=2)
 
 
 def _plot_winds(axes: Axes, x: np.ndarray, coverage: np.ndarray, law: np.ndarray, config: Any) -> None:
-    colours = _plots.colours_for(len(config.wind.speed))
+    # Bands overlap: far colours, faint bands, and the curves above all of them.
+    colours = [
+        (_plots.BLUE, _plots.ORANGE, _plots.BLACK, _plots.GREEN)[i % 4] for i in range(len(config.wind.speed))
+    ]
     for i, (speed, colour) in enumerate(zip(config.wind.speed, colours, strict=True)):
-        _band(axes, x, coverage[i], colour, f"U10 = {speed:g} m/s")
-        axes.plot(x, law[i], color=colour, linestyle=":")
-    axes.plot([], [], color=_plots.GREY, linestyle=":", label="Zhao & Toba 2001")
-    axes.set(yscale="log", ylabel="whitecap coverage W (-)")
+        axes.fill_between(x, coverage[i, :, 0], coverage[i, :, 2], color=colour, alpha=0.13, linewidth=0)
+        axes.plot(x, coverage[i, :, 1], color=colour, label=f"U10 = {speed:g} m/s")
+        axes.plot(x, law[i], color=colour, linestyle=(0, (1, 1.4)), linewidth=1.5)
+    axes.plot([], [], color=_plots.GREY, linestyle=(0, (1, 1.4)), linewidth=1.5, label="Zhao & Toba 2001")
+    top, bottom = (
+        max(float(coverage.max()), float(law.max())),
+        float(np.min(coverage[coverage > 0], initial=1.0)),
+    )
+    # Room for the legend above the curves.
+    axes.set(yscale="log", ylabel="whitecap coverage W (-)", ylim=(max(0.6 * bottom, 1e-9 * top), 12 * top))
 
 
 def save(store: Files, states: Any, config: schema.SeaStatesConfig) -> None:

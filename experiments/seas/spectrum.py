@@ -146,7 +146,16 @@ def _result(
         else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
     )
     return Result(
-        notes=tuple(_build.unresolved_breaking(cascade, config.breaking_wavenumber)),
+        notes=(
+            *_build.unheld_waves(
+                cascade,
+                float(state.peak_wavenumber),
+                float(state.wave_height[0]),
+                float(jnp.linalg.norm(state.wave_height[1:])),
+            ),
+            *_build.outside_validity(config.spectrum, config.wind),
+            *_build.unresolved_breaking(cascade, config.breaking_wavenumber),
+        ),
         values={
             "significant_wave_height_m": state.wave_height[0],
             "peak_period_s": state.peak_period,

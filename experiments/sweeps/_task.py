@@ -68,7 +68,8 @@ def failure(task: Task, reason: str) -> Outcome:
 
 def reason_of(error: Exception) -> str:
     """Why a point failed, in one sentence."""
-    said = one_line(error)
+    # A store outlives the command line.
+    said = one_line(error).replace(" on the command line", " at this point")
     return (
         said
         if isinstance(error, UserError) or is_ours(error)

@@ -24,6 +24,7 @@ from experiments.sweeps._executors import Inline
 from experiments.sweeps._export import _rows
 from experiments.sweeps._meter import clock, in_words, speed
 from experiments.sweeps._single import _columns
+from experiments.sweeps._task import reason_of
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +129,9 @@ def test_report_says_what_changes_how_much_over_which_key(tmp_path):
     compute(sweep)
     report = (sweep.folder / "report.md").read_text()
     # x^2 + y: the means over y are 2.5 and 26.5, those over x 11 and 14.
-    assert "`result` (means over the other keys): over `x` from 1 to 5 m/s it goes from 2.5 to 26.5 m" in report
+    assert (
+        "`result` (means over the other keys): over `x` from 1 to 5 m/s it goes from 2.5 to 26.5 m" in report
+    )
     assert "over `y` from 0 to 3 m it goes from 11 to 14 m (+27 %)" in report
     assert "`root` (means over the other keys): over `x`" in report
     assert "it does not depend on `y`" in report
@@ -208,6 +211,11 @@ def test_only_unfinished_and_on_demand_failed_points_are_computed_again(tmp_path
     log.unlink()
     compute(sweep, force=True)
     assert computed(log) == list(range(10))
+
+
+def test_reasons_in_the_store_do_not_speak_of_a_command_line():
+    error = UserError("Key `value` on the command line must be at least 0, but is -1.")
+    assert reason_of(error) == "Key `value` at this point must be at least 0, but is -1."
 
 
 def test_a_mistake_of_ours_is_a_reason_too(tmp_path):
