@@ -45,6 +45,12 @@ EXPERIMENTS = (
         "experiments.seas.spectrum",
     ),
     Experiment(
+        "render",
+        "a picture of a sea with correctly filtered whitecaps, and the layers that it is made of",
+        schema.RenderConfig,
+        "experiments.pictures.render",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

@@ -27,6 +27,13 @@ from ._measured import MeasuredSeaConfig as MeasuredSeaConfig
 from ._measured import NoTailConfig as NoTailConfig
 from ._measured import PowerTailConfig as PowerTailConfig
 from ._measured import RecordChoice as RecordChoice
+from ._render import CameraConfig as CameraConfig
+from ._render import ClearSkyConfig as ClearSkyConfig
+from ._render import EvenSkyConfig as EvenSkyConfig
+from ._render import ImageConfig as ImageConfig
+from ._render import PanoramaSkyConfig as PanoramaSkyConfig
+from ._render import RenderConfig as RenderConfig
+from ._render import SkyConfig as SkyConfig
 from ._repetition import RepetitionConfig as RepetitionConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER
 from ._sea import CascadeConfig as CascadeConfig

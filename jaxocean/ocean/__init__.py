@@ -1,3 +1,3 @@
-"""The ocean: a sea and its whitecaps together."""
+"""The ocean: a sea, its whitecaps and its light together."""
 
 from ._ocean import Ocean as Ocean

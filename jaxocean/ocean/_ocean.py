@@ -1,4 +1,4 @@
-"""Where the sea and its whitecaps meet."""
+"""Where the sea, its whitecaps and the light meet."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -7,6 +7,9 @@ from jaxtyping import Array, Float
 from .._constants import BREAKING_WAVENUMBER
 from .._numerics import as_leaf, check_kind, check_scalar, optional_leaf
 from .._types import Scalar, ScalarLike
+from ..optics import AbstractFoam, AbstractWater, Foam, Shading, Water
+from ..optics.sky import AbstractSky, HosekWilkie
+from ..spectra import slope_variance
 from ..surface import Fields, Sea, pattern_choppiness
 from ..whitecaps import (
     AbstractBreaking,
@@ -18,9 +21,12 @@ from ..whitecaps import (
 )
 from ..whitecaps import jacobian as strain_jacobian
 
+SHORTEST = 2000.0
+"""Wavenumber [rad/m] of the shortest waves that reflect light (Cox & Munk 1954 saw no shorter ones)."""
+
 
 class Ocean(eqx.Module):
-    """A realised sea, how choppy it is and where it breaks.
+    """A realised sea, how choppy it is, where it breaks, and the light on it.
 
     | leaf | unit | default | role |
     |---|---|---|---|
@@ -30,6 +36,10 @@ class Ocean(eqx.Module):
     | `breaking_wavenumber` k_b | rad/m | 73.1 | waves shorter than this do not count for breaking; None: all do |
     | `closure` | | exact, projected | from strain statistics to coverage |
     | `breaking` | | hard | the indicator at a point |
+    | `sky` | | clear, sun 0.7 rad up | where the light comes from |
+    | `water` | | clear ocean | the colour of the water body |
+    | `foam` | | white, R = 0.22 | what whitecaps reflect |
+    | `shading` | | see `optics.Shading` | how the surface reflects |
 
     **Raises:** `ValueError` for more λ than patterns, or a k_b that is not positive.
     """
@@ -44,11 +54,19 @@ class Ocean(eqx.Module):
     )
     closure: AbstractClosure = eqx.field(default=ExactClosure(), kw_only=True)
     breaking: AbstractBreaking = eqx.field(default=HardBreaking(), kw_only=True)
+    sky: AbstractSky = eqx.field(default_factory=HosekWilkie, kw_only=True)
+    water: AbstractWater = eqx.field(default_factory=Water, kw_only=True)
+    foam: AbstractFoam = eqx.field(default_factory=Foam, kw_only=True)
+    shading: Shading = eqx.field(default_factory=Shading, kw_only=True)
 
     def __check_init__(self) -> None:
         check_kind("sea", self.sea, Sea, "a sea made by `surface.realise`")
         check_kind("closure", self.closure, AbstractClosure, "a closure such as `ExactClosure()`")
         check_kind("breaking", self.breaking, AbstractBreaking, "an indicator such as `HardBreaking()`")
+        check_kind("sky", self.sky, AbstractSky, "a sky such as `HosekWilkie()`")
+        check_kind("water", self.water, AbstractWater, "a water body such as `Water()`")
+        check_kind("foam", self.foam, AbstractFoam, "foam such as `Foam()`")
+        check_kind("shading", self.shading, Shading, "a `Shading()`")
         check_scalar("threshold", self.threshold, "")
         check_scalar("breaking_wavenumber", self.breaking_wavenumber, "rad/m", positive=True)
         pattern_choppiness(self.choppiness, self.sea.cascade.count)
@@ -77,3 +95,14 @@ class Ocean(eqx.Module):
     def coverage(self) -> Scalar:
         """Whitecap coverage W [-] of the whole plane by the closure."""
         return self.closure(self.statistics(), self.threshold)
+
+    def unresolved_slopes(self) -> Float[Array, "2 2"]:
+        """Covariance of the slopes [-] of all waves that are too short for the patterns, from the spectrum.
+
+        They make no picture, but glitter: light meets waves of up to 2000 rad/m, as Cox & Munk's slopes do.
+        """
+        limit = self.sea.cascade.wavenumber_limit
+        if limit >= SHORTEST:
+            return jnp.zeros((2, 2), self.sea.waves.rate.dtype)
+        xx, yy, xy = slope_variance(self.sea.spectrum, band=(limit, SHORTEST))
+        return jnp.stack([jnp.stack([xx, xy]), jnp.stack([xy, yy])])

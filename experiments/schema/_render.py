@@ -1,0 +1,160 @@
+"""The config of `render`."""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ._base import ExperimentConfig, Section, key, wrong
+from ._sea import (
+    CascadeConfig,
+    Choppiness,
+    WindConfig,
+    breaking_wavenumber_key,
+    check_choppiness,
+    choppiness_key,
+    threshold_key,
+)
+from ._spectra import ElfouhailyConfig, SpectrumConfig
+
+Colour = tuple[float, float, float]
+
+
+class CameraConfig(Section):
+    """`camera`: where it stands and where it looks."""
+
+    position: tuple[float, float, float] = key(
+        (0.0, 0.0, 10.0), unit="m", meaning="x, y and height above the resting water", within="height > 0"
+    )
+    heading: float = key(
+        0.0, unit="rad", meaning="looks to, counter-clockwise from +x (east)", ge=-2 * math.pi, le=2 * math.pi
+    )
+    pitch: float = key(
+        0.2, unit="rad", meaning="how far below the horizontal it looks", ge=-math.pi / 2, le=math.pi / 2
+    )
+    field_of_view: float = key(1.0, unit="rad", meaning="from the lower to the upper edge", gt=0, le=3)
+    roll: float = key(0.0, unit="rad", meaning="turn around the direction of view", ge=-math.pi, le=math.pi)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not self.position[2] > 0:
+            raise wrong("position", f"have a height greater than 0 m, but it is {self.position[2]:g}")
+        return self
+
+
+def _sun_elevation(default: float = 0.7):
+    return key(default, unit="rad", meaning="of the sun above the horizon", ge=-math.pi / 2, le=math.pi / 2)
+
+
+def _sun_azimuth():
+    return key(
+        0.0,
+        unit="rad",
+        meaning="towards the sun, counter-clockwise from +x (east)",
+        ge=-2 * math.pi,
+        le=2 * math.pi,
+    )
+
+
+class ClearSkyConfig(Section):
+    """`sky` of kind `clear`: Hošek & Wilkie's, with its sun."""
+
+    kind: Literal["clear"] = key("clear", meaning="what sky")
+    turbidity: float = key(3.0, unit="-", meaning="haze; 2 to 3 over a clear ocean", ge=1, le=10)
+    albedo: float = key(0.06, unit="-", meaning="of what lies below; 0.06 for the sea", ge=0, le=1)
+    sun_elevation: float = _sun_elevation()
+    sun_azimuth: float = _sun_azimuth()
+
+
+class EvenSkyConfig(Section):
+    """`sky` of kind `even`: one colour everywhere, and a sun or none."""
+
+    kind: Literal["even"] = key("even", meaning="what sky")
+    radiance: Colour = key((0.3, 0.3, 0.3), unit="W m-2 sr-1 nm-1", meaning="linear red, green, blue")
+    sun: Colour = key((0.0, 0.0, 0.0), unit="W m-2 nm-1", meaning="irradiance of its beam, linear")
+    sun_elevation: float = _sun_elevation()
+    sun_azimuth: float = _sun_azimuth()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for name, colour in (("radiance", self.radiance), ("sun", self.sun)):
+            if min(colour) < 0:
+                raise wrong(name, f"hold no number below 0, but holds {min(colour):g}")
+        return self
+
+
+class PanoramaSkyConfig(Section):
+    """`sky` of kind `panorama`: an equirectangular picture, and a sun or none."""
+
+    kind: Literal["panorama"] = key("panorama", meaning="what sky")
+    file: str = key(meaning="PNG, JPEG or EXR; the upper half is the sky", min_length=1)
+    rotation: float = key(
+        0.0, unit="rad", meaning="turn around the vertical", ge=-2 * math.pi, le=2 * math.pi
+    )
+    scale: float = key(1.0, unit="-", meaning="factor of its light", gt=0, le=1e6)
+    sun: Colour = key((0.0, 0.0, 0.0), unit="W m-2 nm-1", meaning="irradiance of a sun it does not hold")
+    sun_elevation: float = _sun_elevation()
+    sun_azimuth: float = _sun_azimuth()
+
+
+SkyConfig = Annotated[ClearSkyConfig | EvenSkyConfig | PanoramaSkyConfig, Field(discriminator="kind")]
+
+
+class WaterConfig(Section):
+    """`water`: the colour of the water body."""
+
+    chlorophyll: float = key(
+        0.1, unit="mg/m^3", meaning="of the water; ocean 0.03 to 1, coast more", ge=0.01, le=50
+    )
+    colour: Colour | None = key(
+        None, unit="-", meaning="radiance reflectance, linear red, green, blue; null: from the chlorophyll"
+    )
+
+
+class FoamLookConfig(Section):
+    """`foam`: how whitecaps look."""
+
+    reflectance: float = key(
+        0.22, unit="-", meaning="0.22 effective (Koepke), 0.4 in Dupuy & Bruneton", ge=0, le=1
+    )
+
+
+class ImageConfig(Section):
+    """`image`: its size, and how light becomes code values."""
+
+    height: int = key(720, unit="pixels", meaning="rows", ge=2, le=8192)
+    width: int = key(1280, unit="pixels", meaning="columns", ge=2, le=8192)
+    tone: Literal["exposure", "filmic", "bruneton"] = key("filmic", meaning="tone mapping")
+    exposure: float | None = key(
+        None, unit="-", meaning="factor of the light before it; null: from the picture itself", gt=0, le=1e6
+    )
+    vertex_spacing: float = key(
+        4.0, unit="pixels", meaning="from one vertex of the mesh to the next", ge=0.5, le=64
+    )
+
+
+class RenderConfig(ExperimentConfig):
+    """`render`: a picture of a sea, with everything that it is made of."""
+
+    experiment: Literal["render"] = key("render", meaning="which experiment this config runs")
+    wind: WindConfig = key(WindConfig(), meaning="the wind")
+    spectrum: SpectrumConfig = key(ElfouhailyConfig(), meaning="the wave spectrum")
+    cascade: CascadeConfig = key(CascadeConfig(), meaning="the periodic patterns")
+    choppiness: Choppiness = choppiness_key()
+    threshold: float = threshold_key(0.65)
+    breaking_wavenumber: float | None = breaking_wavenumber_key()
+    time: float = key(0.0, unit="s", meaning="time of the picture", ge=0, le=1e9)
+    camera: CameraConfig = key(CameraConfig(), meaning="the camera")
+    sky: SkyConfig = key(ClearSkyConfig(), meaning="where the light comes from")
+    water: WaterConfig = key(WaterConfig(), meaning="the colour of the water body")
+    foam: FoamLookConfig = key(FoamLookConfig(), meaning="the look of whitecaps")
+    image: ImageConfig = key(ImageConfig(), meaning="the image")
+    planet: bool = key(False, meaning="whether the sea curves with the earth: for views from high above")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        check_choppiness(self.choppiness, len(self.cascade.sizes))
+        return self
+
+    def inputs(self) -> tuple[str, ...]:
+        return (self.sky.file,) if isinstance(self.sky, PanoramaSkyConfig) else ()

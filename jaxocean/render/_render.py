@@ -1,0 +1,194 @@
+"""From an ocean and a camera to a picture."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._numerics import as_leaf, is_concrete
+from .._types import FloatLike, Scalar, ScalarLike
+from ..ocean import Ocean
+from ..optics import surface_radiance
+from ..surface import Fields
+from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
+from ._camera import Camera, check_above, check_size
+from ._visible import Raster, Visible, map_visible
+
+
+class Layers(eqx.Module):
+    """A picture and what it is made of; every array has the rows and columns of the image.
+
+    | layer | unit | shape after rows, columns |
+    |---|---|---|
+    | `radiance` | that of the sky | 3, linear sRGB; the sum of the next five |
+    | `sun`, `sky`, `water`, `foam` | that of the sky | 3: glitter, mirrored sky, light from the water, whitecaps |
+    | `background` | that of the sky | 3: the sky above the horizon |
+    | `sea` | - | share of the pixel that is sea |
+    | `coverage` | - | share W of the visible sea that is foam |
+    | `depth` | m | distance from the pinhole |
+    | `rest_point` | m | 2: (x, y) at rest |
+    | `normal` | - | 3: of the mean slope, upwards |
+    | `slope_variance` | - | mean square slope inside the footprint, both directions together |
+    | `jacobian_mean`, `jacobian_variance` | - | of j inside the footprint |
+
+    Where no sea is seen the layers of the sea are 0.
+    """
+
+    radiance: Float[Array, "rows columns 3"]
+    sun: Float[Array, "rows columns 3"]
+    sky: Float[Array, "rows columns 3"]
+    water: Float[Array, "rows columns 3"]
+    foam: Float[Array, "rows columns 3"]
+    background: Float[Array, "rows columns 3"]
+    sea: Float[Array, "rows columns"]
+    coverage: Float[Array, "rows columns"]
+    depth: Float[Array, "rows columns"]
+    rest_point: Float[Array, "rows columns 2"]
+    normal: Float[Array, "rows columns 3"]
+    slope_variance: Float[Array, "rows columns"]
+    jacobian_mean: Float[Array, "rows columns"]
+    jacobian_variance: Float[Array, "rows columns"]
+
+
+def render(
+    ocean: Ocean,
+    camera: Camera,
+    time: ScalarLike,
+    size: tuple[int, int] = (720, 1280),
+    *,
+    method: Raster | None = None,
+    curvature: ScalarLike = 0.0,
+) -> Float[Array, "rows columns 3"]:
+    """The picture of an ocean, as linear light.
+
+    Every pixel sees a footprint of the surface. Waves larger than it are seen as such; smaller ones through the mean
+    and the covariance of their slopes, which mirror the sky and the sun, and of their strain, from which the closure
+    says how much of the pixel is foam. Differentiable in every leaf of ocean and camera, and in the time.
+
+    **Arguments:**
+
+    - `ocean`, `camera`: see there; `time`: t [s].
+    - `size`: (rows, columns) of the image.
+    - `method`: how the water that a pixel sees is found; `Raster()` if None.
+    - `curvature`: of the planet [1/m], 0 for a plane; see `EARTH_CURVATURE`.
+
+    **Returns:** radiance, linear with sRGB primaries, in the unit of the sky's radiance.
+
+    **Raises:** `ValueError` for a size that makes no sense or a camera under water.
+
+    **Source:** Dupuy & Bruneton 2012, with the exact closure in place of their eqs 6–8.
+    """
+    return _checked(ocean, camera, time, size, method, curvature).radiance
+
+
+def render_layers(
+    ocean: Ocean,
+    camera: Camera,
+    time: ScalarLike,
+    size: tuple[int, int] = (720, 1280),
+    *,
+    method: Raster | None = None,
+    curvature: ScalarLike = 0.0,
+) -> Layers:
+    """The picture with everything that it is made of.
+
+    **Arguments**, **Raises:** those of `render`. **Returns:** `Layers`.
+    """
+    return _checked(ocean, camera, time, size, method, curvature)
+
+
+def seen_coverage(
+    strain: StrainStatistics, threshold: FloatLike, closure: AbstractClosure
+) -> Float[Array, "*b"]:
+    """The share of a footprint's visible area that is foam.
+
+    $$ W = E[j\\, 1_{j < ε}] / E[j] $$
+
+    The closure in projected area counts foam per area at rest; E[j] is the footprint's own visible area by the same
+    measure. A footprint that has shrunk to a point is foam or not, one that holds the whole sea has E[j] = 1.
+
+    **Arguments:** `strain` of the footprints; `threshold` ε [-]; `closure` in projected area.
+
+    **Returns:** W [-], from 0 to 1.
+    """
+    area = jnp.maximum(strain.jacobian_mean(), SMALLEST_AREA)
+    return jnp.clip(closure(strain, threshold) / area, 0.0, 1.0)
+
+
+SMALLEST_AREA = 1e-3
+"""A footprint squeezed to less than this is edge-on or inside a fold."""
+
+
+def _checked(ocean, camera, time, size, method, curvature) -> Layers:
+    check_size(size)
+    if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
+        check_above(camera, ocean.sea, time, ocean.choppiness)
+    # A plain number for the time keeps its double precision, and compiles nothing anew.
+    fields = ocean.fields(time)
+    return _render(ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature))
+
+
+@eqx.filter_jit
+def _render(
+    ocean: Ocean, camera: Camera, fields: Fields, size: tuple[int, int], method: Raster, curvature: Scalar
+) -> Layers:
+    dtype = fields.packed.real.dtype
+    ocean = jax.tree.map(
+        lambda x: x.astype(dtype) if eqx.is_inexact_array(x) and not jnp.iscomplexobj(x) else x, ocean
+    )
+    camera = camera.astype(dtype)
+    unresolved = ocean.unresolved_slopes().astype(dtype)
+    closure = _fast(ocean.closure)
+
+    def shade(visible: Visible) -> Layers:
+        rays, strain = visible.rays, visible.strain
+        covariance = visible.slope_covariance + unresolved
+        coverage = seen_coverage(strain, ocean.threshold, closure)
+        light = surface_radiance(
+            -rays,
+            visible.slope,
+            covariance,
+            coverage,
+            ocean.sky,
+            ocean.water,
+            ocean.foam,
+            shading=ocean.shading,
+        )
+        hit = visible.hit
+
+        def sea(x: Array) -> Array:
+            return jnp.where(hit.reshape(hit.shape + (1,) * (x.ndim - 2)), x, 0.0)
+
+        background = jnp.where(hit[..., None], 0.0, ocean.sky.radiance(rays) + ocean.sky.sun_radiance(rays))
+        return Layers(
+            radiance=sea(light.total) + background,
+            sun=sea(light.sun),
+            sky=sea(light.sky),
+            water=sea(light.water),
+            foam=sea(light.foam),
+            background=background,
+            sea=hit.astype(dtype),
+            coverage=sea(coverage),
+            depth=sea(visible.depth),
+            rest_point=sea(visible.rest_point),
+            normal=sea(visible.normal),
+            slope_variance=sea(covariance[..., 0, 0] + covariance[..., 1, 1]),
+            jacobian_mean=sea(strain.jacobian_mean()),
+            jacobian_variance=sea(strain.jacobian_variance()),
+        )
+
+    layers, edges = map_visible(
+        shade, fields, ocean.sea.cascade, camera, size, method=method, curvature=curvature
+    )
+    # Only light and shares mix along silhouettes; the mean of two distances is the distance of nothing.
+    mixed = ("radiance", "sun", "sky", "water", "foam", "background", "sea", "coverage")
+    return eqx.tree_at(
+        lambda picture: [getattr(picture, name) for name in mixed],
+        layers,
+        [edges.blend(getattr(layers, name)) for name in mixed],
+    )
+
+
+def _fast(closure: AbstractClosure) -> AbstractClosure:
+    """The form for millions of footprints, in projected area, of the closure that the whole sea has."""
+    return FastClosure("projected") if isinstance(closure, ExactClosure) else closure
