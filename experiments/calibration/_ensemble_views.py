@@ -17,6 +17,9 @@ from ..harness._files import Files, variable
 STYLES = {"total": "-", "decaying": "--", "active": ":"}
 
 
+COLOURS = (_plots.BLACK, _plots.ORANGE, _plots.GREEN, _plots.PURPLE, _plots.SKY, "#8C564B")
+"""Of laws; the calibrated seas have the other two."""
+
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "h", "d")
 """Marks of laws, in their order."""
 
@@ -33,9 +36,9 @@ class View:
 
     @property
     def colours(self) -> list[Any]:
-        """One colour for each law, from low to high ε."""
+        """A colour for each law: neighbours in ε, whose curves are near each other too, differ most."""
         order = np.argsort(np.argsort(self.held.values("threshold")))
-        return [_plots.colours_for(len(order))[i] for i in order]
+        return [COLOURS[i % len(COLOURS)] for i in order]
 
 
 def plot(store: Files, view: View) -> None:
@@ -58,7 +61,7 @@ def _plot_coverage(axes: Axes, view: View) -> None:
     )
     axes.plot(speeds, band.median, color=_plots.BLUE, lw=2.6, label="calibrated seas, median")
     for i, (member, colour) in enumerate(zip(view.free.members, view.colours, strict=True)):
-        style: Any = {"marker": MARKS[i % len(MARKS)], "ms": 5, "mec": "white", "mew": 0.5}
+        style: Any = {"marker": MARKS[i % len(MARKS)], "ms": 7, "mec": "white", "mew": 0.5}
         # Marks at different places, so that they do not hide each other.
         axes.plot(
             speeds,
