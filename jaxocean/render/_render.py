@@ -1,5 +1,7 @@
 """From an ocean and a camera to a picture."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -8,7 +10,8 @@ from jaxtyping import Array, Float
 from .._numerics import as_leaf, is_concrete
 from .._types import FloatLike, Scalar, ScalarLike
 from ..ocean import Ocean
-from ..optics import surface_radiance
+from ..optics import SurfaceRadiance, surface_radiance
+from ..optics.sky import ImageSky, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
 from ._camera import Camera, check_above, check_size
@@ -78,7 +81,7 @@ def render(
 
     **Source:** Dupuy & Bruneton 2012, with the exact closure in place of their eqs 6–8.
     """
-    return _checked(ocean, camera, time, size, method, curvature).radiance
+    return _radiance(*_prepared(ocean, camera, time, size, method, curvature))
 
 
 def render_layers(
@@ -94,7 +97,7 @@ def render_layers(
 
     **Arguments**, **Raises:** those of `render`. **Returns:** `Layers`.
     """
-    return _checked(ocean, camera, time, size, method, curvature)
+    return _layers(*_prepared(ocean, camera, time, size, method, curvature))
 
 
 def seen_coverage(
@@ -119,47 +122,77 @@ SMALLEST_AREA = 1e-3
 """A footprint squeezed to less than this is edge-on or inside a fold."""
 
 
-def _checked(ocean, camera, time, size, method, curvature) -> Layers:
+def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
     check_size(size)
     if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
         check_above(camera, ocean.sea, time, ocean.choppiness)
     # A plain number for the time keeps its double precision, and compiles nothing anew.
     fields = ocean.fields(time)
-    return _render(ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature))
+    return ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature)
 
 
-@eqx.filter_jit
-def _render(
-    ocean: Ocean, camera: Camera, fields: Fields, size: tuple[int, int], method: Raster, curvature: Scalar
-) -> Layers:
-    dtype = fields.packed.real.dtype
-    ocean = jax.tree.map(
-        lambda x: x.astype(dtype) if eqx.is_inexact_array(x) and not jnp.iscomplexobj(x) else x, ocean
-    )
-    camera = camera.astype(dtype)
-    unresolved = ocean.unresolved_slopes().astype(dtype)
-    closure = _fast(ocean.closure)
+class _Scene:
+    """An ocean's light on what a camera sees, in the type of its fields."""
 
-    def shade(visible: Visible) -> Layers:
-        rays, strain = visible.rays, visible.strain
-        covariance = visible.slope_covariance + unresolved
-        coverage = seen_coverage(strain, ocean.threshold, closure)
-        light = surface_radiance(
-            -rays,
+    def __init__(self, ocean: Ocean, dtype: jnp.dtype) -> None:
+        def cast(x: Any) -> Any:
+            return x.astype(dtype) if eqx.is_array(x) and jnp.issubdtype(x.dtype, jnp.floating) else x
+
+        self.ocean = jax.tree.map(cast, ocean)
+        self.unresolved = self.ocean.unresolved_slopes()
+        # The mirrored sky is looked up in a table: its lobes cost the same however wide they are.
+        self.mirrored = self.ocean.sky if isinstance(self.ocean.sky, ImageSky) else bake(self.ocean.sky)
+
+    def covariance(self, visible: Visible) -> Float[Array, "*b 2 2"]:
+        return visible.slope_covariance + self.unresolved
+
+    def coverage(self, visible: Visible) -> Float[Array, "*b"]:
+        return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure))
+
+    def light(self, visible: Visible, coverage: Float[Array, "*b"]) -> SurfaceRadiance:
+        ocean = self.ocean
+        return surface_radiance(
+            -visible.rays,
             visible.slope,
-            covariance,
+            self.covariance(visible),
             coverage,
-            ocean.sky,
+            self.mirrored,
             ocean.water,
             ocean.foam,
             shading=ocean.shading,
         )
-        hit = visible.hit
+
+    def background(self, visible: Visible) -> Float[Array, "*b 3"]:
+        sky, rays = self.ocean.sky, visible.rays
+        return jnp.where(visible.hit[..., None], 0.0, sky.radiance(rays) + sky.sun_radiance(rays))
+
+
+@eqx.filter_jit
+def _radiance(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, curvature: Scalar) -> Array:
+    scene = _Scene(ocean, fields.packed.real.dtype)
+
+    def shade(visible: Visible) -> Array:
+        total = scene.light(visible, scene.coverage(visible)).total
+        return jnp.where(visible.hit[..., None], total, 0.0) + scene.background(visible)
+
+    image, edges = map_visible(
+        shade, fields, ocean.sea.cascade, camera, size, method=method, curvature=curvature
+    )
+    return edges.blend(image)
+
+
+@eqx.filter_jit
+def _layers(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, curvature: Scalar) -> Layers:
+    scene = _Scene(ocean, fields.packed.real.dtype)
+
+    def shade(visible: Visible) -> Layers:
+        hit, strain = visible.hit, visible.strain
+        covariance, coverage = scene.covariance(visible), scene.coverage(visible)
+        light, background = scene.light(visible, coverage), scene.background(visible)
 
         def sea(x: Array) -> Array:
             return jnp.where(hit.reshape(hit.shape + (1,) * (x.ndim - 2)), x, 0.0)
 
-        background = jnp.where(hit[..., None], 0.0, ocean.sky.radiance(rays) + ocean.sky.sun_radiance(rays))
         return Layers(
             radiance=sea(light.total) + background,
             sun=sea(light.sun),
@@ -167,7 +200,7 @@ def _render(
             water=sea(light.water),
             foam=sea(light.foam),
             background=background,
-            sea=hit.astype(dtype),
+            sea=hit.astype(covariance.dtype),
             coverage=sea(coverage),
             depth=sea(visible.depth),
             rest_point=sea(visible.rest_point),
