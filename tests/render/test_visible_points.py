@@ -80,6 +80,7 @@ def test_footprints_of_a_flat_sea_are_the_derivatives_of_its_plane():
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_no_pixel_below_the_horizon_is_void_for_a_hundred_cameras(storm):
     rng = np.random.default_rng(0)
     see = eqx.filter_jit(
@@ -187,6 +188,7 @@ def smooth_image(x, sea):
     return jnp.mean(edges.blend(image) ** 2)
 
 
+@pytest.mark.slow
 def test_the_derivative_of_a_smooth_image_is_that_of_finite_differences(sea):
     x = jnp.array([45.0, 0.9, 0.2, 0.8, 1.5])
     value, forward = jax.jit(smooth_image), jax.jit(jax.jacfwd(smooth_image))
@@ -209,6 +211,7 @@ def horizon_coverage(x):
     return jnp.mean(edges.blend(hit))
 
 
+@pytest.mark.slow
 def test_the_horizon_covers_the_area_below_it_and_has_its_derivative():
     x = jnp.array([0.12, 0.2])
     focal = 24 / np.tan(0.4)
@@ -222,6 +225,7 @@ def test_the_horizon_covers_the_area_below_it_and_has_its_derivative():
     np.testing.assert_allclose(slope, expected, rtol=0.02, atol=0.005)
 
 
+@pytest.mark.slow
 def test_crest_edges_carry_the_derivative_of_the_area_that_water_covers(storm):
     fields = storm.fields(TIME, 1.2)
 
