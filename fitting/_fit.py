@@ -189,6 +189,8 @@ def _report(
         )
         for slot, prior, value, error, begin in rows
     )
+    ends = np.cumsum([target.size for target in problem.tree[1]])[:-1]
+    relative = np.split(_prediction_errors(problem, jacobian, known.covariance), ends)
     targets = tuple(
         FittedTarget(
             name,
@@ -197,9 +199,10 @@ def _report(
             np.asarray(observed),
             np.asarray(predicted),
             np.broadcast_to(scatter, np.shape(observed)),
+            scatter * error,
         )
-        for name, target, predicted, observed, scatter in zip(
-            names, problem.tree[1], *outcome.predictions, strict=True
+        for name, target, error, predicted, observed, scatter in zip(
+            names, problem.tree[1], relative, *outcome.predictions, strict=True
         )
     )
     return Fit(
@@ -219,6 +222,13 @@ def _report(
         solver=str(solver),
         model=fitted,
     )
+
+
+def _prediction_errors(problem: Problem, jacobian: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Standard errors of all predictions in units of their scatter; what the scatter is moves no prediction."""
+    moves = np.concatenate([np.full(slot.size, not slot.is_scatter) for slot in problem.slots])
+    rows = jacobian[: problem.data_size] * moves
+    return np.sqrt(np.maximum(np.einsum("ri,ij,rj->r", rows, covariance, rows), 0.0))
 
 
 def _number(value: np.ndarray) -> float | np.ndarray:

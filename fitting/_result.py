@@ -23,7 +23,10 @@ class FittedParameter:
 
 @dataclass(frozen=True)
 class FittedTarget:
-    """One target at the solution, in its transformed `unit` (log10 of coverage, ln of slope variance)."""
+    """One target at the solution, in its transformed `unit` (log10 of coverage, ln of slope variance).
+
+    `error` is the standard error of `predicted` that the fit's covariance implies.
+    """
 
     name: str
     unit: str
@@ -31,6 +34,7 @@ class FittedTarget:
     observed: Float[np.ndarray, " n"]
     predicted: Float[np.ndarray, " n"]
     scatter: Float[np.ndarray, " n"]
+    error: Float[np.ndarray, " n"]
 
     @property
     def residuals(self) -> Float[np.ndarray, " n"]:

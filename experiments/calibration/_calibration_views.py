@@ -26,13 +26,20 @@ class View:
     calibrations: Mapping[str, Any]
     table: Mapping[str, Sequence[tuple[float, float, float, float]]]
     check: Any
-    spread: Mapping[str, np.ndarray]
-    """Standard error of ln W of each closure's shared fit at the config's winds."""
 
     @cached_property
     def coverage(self) -> dict[str, np.ndarray]:
         """W of each closure's shared fit at the config's winds."""
         return {name: fitted_coverage(self.config, one.shared) for name, one in self.calibrations.items()}
+
+    @cached_property
+    def spread(self) -> dict[str, np.ndarray]:
+        """Standard error of ln W of each closure's shared fit at the config's winds; NaN if only points were fitted."""
+        unknown = np.full(len(self.config.wind.speed), np.nan)
+        return {
+            name: np.log(10) * one.shared.targets[0].error if self.config.laws else unknown
+            for name, one in self.calibrations.items()
+        }
 
 
 def fitted_coverage(config: schema.CalibrationConfig, fit: fitting.Fit) -> np.ndarray:

@@ -33,9 +33,6 @@ BATCH = 8
 MEMORY, BYTES = 5e8, 8
 """Bytes for the noise of the seas that are drawn at once, and for one of its complex numbers."""
 
-LEAVES = ("threshold", "choppiness", "breaking_wavenumber")
-"""Leaves of the model that a shared fit may move."""
-
 FIXED = 1e-4
 """Deviation of the prior on a choppiness that is not to move."""
 
@@ -158,29 +155,6 @@ def _free(config: schema.CalibrationConfig, deviation: float) -> list[fitting.Pa
     return free
 
 
-def _spread(config: schema.CalibrationConfig, shared: "Future[fitting.Fit]") -> np.ndarray:
-    """Standard error of ln W at each of the config's winds, from the covariance of the shared fit."""
-    fit = shared.result()
-    names = [name for name in LEAVES if name in fit.labels]
-    order = [fit.labels.index(name) for name in names]
-    slopes = _slopes(fit.model, tuple(names), _winds(config, np.asarray(config.wind.speed)))
-    d = np.stack([np.asarray(slopes[name]) for name in names], axis=-1)
-    return np.sqrt(np.einsum("ui,ij,uj->u", d, fit.covariance[np.ix_(order, order)], d))
-
-
-@eqx.filter_jit
-def _slopes(model: fitting.SpectralModel, names: tuple[str, ...], winds: jo.Wind) -> dict[str, Array]:
-    """Derivatives of ln W by some leaves of a model, at each wind."""
-
-    def log_coverage(leaves: dict[str, Array]) -> Array:
-        changed = eqx.tree_at(
-            lambda m: [getattr(m, name) for name in names], model, [leaves[n] for n in names]
-        )
-        return eqx.filter_vmap(changed.log_coverage)(winds)
-
-    return jax.jacfwd(log_coverage)({name: getattr(model, name) for name in names})
-
-
 def _limits(config: schema.CalibrationConfig) -> list[float]:
     """The breaking wavenumbers of the table that the sea's waves reach."""
     highest = _build.cascade(config.cascade).wavenumber_limit if config.band is None else config.band[1]
@@ -206,7 +180,7 @@ def _compute(config: schema.CalibrationConfig, targets: list, progress: Reporter
     """All fits, and the check, side by side: most of a first fit is compilation, which keeps one core busy."""
     limits = _limits(config)
     checked = config.realisations > 0 and config.band is None
-    parts = 3 * len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
+    parts = 2 * len(CLOSURES) + (len(MEASURES) if limits else 0) + (len(config.wind.speed) if checked else 0)
     advance = progress.count("Fitting, and counting whitecaps on FFT seas" if checked else "Fitting", parts)
 
     def double(task: Callable, *arguments: Any) -> Any:
@@ -224,11 +198,10 @@ def _compute(config: schema.CalibrationConfig, targets: list, progress: Reporter
         for measure in sorted(MEASURES, key=lambda m: m == config.measure) if limits else ():
             rows[measure] = executor.submit(double, _threshold_row, config, measure, limits, targets)
         fits = {name: executor.submit(double, _fit_each, config, shared[name], targets) for name in CLOSURES}
-        spreads = {name: executor.submit(double, _spread, config, shared[name]) for name in CLOSURES}
         check = seas.check(shared["exact"].result(), advance) if seas else None
         calibrations = {name: future.result() for name, future in fits.items()}
         table = {m: rows[m].result() if m in rows else [] for m in MEASURES}
-        return View(config, calibrations, table, check, {name: s.result() for name, s in spreads.items()})
+        return View(config, calibrations, table, check)
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
 

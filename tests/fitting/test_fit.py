@@ -58,6 +58,15 @@ def test_residuals_are_in_log10_and_their_rms_is_not_weighted():
     assert fit.cost == pytest.approx(0.5 * np.sum((fit.residuals[name] / 0.01) ** 2))
 
 
+def test_predictions_have_the_errors_that_the_parameters_give_them():
+    fit = fitting.fit(PowerSea(), both, points(fitting.FreeScatter(0.2), noise=0.1 * np.cos(3.0 * SPEEDS)))
+    # log10 W = log10 A + n log10 U
+    rows = np.stack([np.full(SPEEDS.size, 1 / (fit.values["coefficient"] * np.log(10))), np.log10(SPEEDS)])
+    covariance = fit.covariance[:2, :2]
+    expected = np.sqrt(np.einsum("ir,ij,jr->r", rows, covariance, rows))
+    np.testing.assert_allclose(fit.targets[0].error, expected, rtol=1e-6)
+
+
 def test_errors_are_those_of_repeated_measurements():
     scatter = np.linspace(0.1, 0.4, SPEEDS.size)
     noise = np.random.default_rng(7).normal(size=(200, SPEEDS.size)) * scatter
