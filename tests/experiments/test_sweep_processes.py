@@ -37,9 +37,13 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": path, "JAXOCEAN_CACHE": "off"}
 
 
+LISTENING = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
+"""Runs another program that hears Ctrl-C even where the tests were started in the background of a shell."""
+
+
 def start(folder: Path, experiment: str, *values: str) -> subprocess.Popen:
     return subprocess.Popen(
-        command(folder, experiment, *values),
+        [sys.executable, "-c", LISTENING, *command(folder, experiment, *values)],
         cwd=folder,
         env=environment(),
         stdout=subprocess.PIPE,
@@ -117,7 +121,7 @@ def test_a_killed_sweep_leaves_no_process_and_the_same_command_computes_what_was
 def test_ctrl_c_ends_all_processes_and_tells_what_is_kept(tmp_path, values):
     log = tmp_path / "log"
     # Slow enough that a busy machine notices the eighth point long before the last one.
-    values = tuple(value.replace("wait=0.05", "wait=0.2") for value in values)
+    values = tuple(value.replace("wait=0.05", "wait=0.1") for value in values)
     process = start(tmp_path, "runs", *values, "seed=1", "--workers", "2")
     wait_until(lambda: len(computed(log)) >= 8, process)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: the workers get it too
