@@ -109,12 +109,14 @@ class Raster(eqx.Module):
     """A projected mesh, drawn with a z-buffer.
 
     **Arguments:** `spacing`: pixels from one vertex to the next, 4 by default; fewer give sharper crests, for a cost in
-    inverse proportion to its square.
+    inverse proportion to its square; `filtered`: whether slopes and strain are taken over each pixel's footprint, or
+    (to see what that is good for) at its centre alone.
 
     **Raises:** `ValueError` for a spacing outside 0.5 to 64 pixels.
     """
 
     spacing: float = eqx.field(static=True, default=4.0)
+    filtered: bool = eqx.field(static=True, default=True)
 
     def __check_init__(self) -> None:
         if not 0.5 <= self.spacing <= 64:
@@ -189,10 +191,11 @@ def map_visible(
     **Raises:** `ValueError` for a size that makes no sense.
     """
     check_size(size)
+    method = method or Raster()
     dtype = fields.packed.real.dtype
     camera, curvature = camera.astype(dtype), as_leaf(curvature).astype(dtype)
     bounds = Bounds.of_fields(fields)
-    grid = rest_grid(camera, size, (method or Raster()).spacing, bounds, curvature)
+    grid = rest_grid(camera, size, method.spacing, bounds, curvature)
     mesh = displaced_mesh(grid, displacement_atlas(fields, cascade), camera, size, curvature)
     nearest = jnp.maximum(camera.position[2] - bounds.lowest, 1e-3) / 256
     triangle = visible_triangles(jax.lax.stop_gradient(mesh.screen), size, jax.lax.stop_gradient(nearest))
@@ -204,6 +207,8 @@ def map_visible(
         # What is apart is computed once; XLA would rather compute it again in each of its many users.
         hits = compute_apart(lambda: meet(mesh, triangle, rows), rows[0] >= 0)
         exits = find_exits(mesh, triangle, hits, rows)
+        if not method.filtered:
+            hits = hits._replace(variance=jnp.zeros_like(hits.variance))
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
         depth = hits.ahead / (camera.rays(size, rows) @ forward)
         visible = Visible(
