@@ -9,6 +9,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from .. import schema
 from ..common import _plots
+from ..common._words import low_pass
 from ..harness._files import Files, variable
 from ..harness._quantity import Quantity
 
@@ -110,15 +111,9 @@ def _title(numbers: Mapping[str, float], config: schema.CoverageConfig) -> str:
     beside = "" if swell is None else f" and swell of {swell.significant_wave_height:g} m"
     return (
         f"{config.spectrum.family.replace('_', '-').title()}{beside}, U10 = {config.wind.speed:g} m/s, "
-        f"Hs = {numbers['significant_wave_height']:.3g} m, λ = {_choppiness(config)}, {limit(config)}"
+        f"Hs = {numbers['significant_wave_height']:.3g} m, λ = {_choppiness(config)}, "
+        f"{low_pass(config.breaking_wavenumber)}"
     )
-
-
-def limit(config: schema.CoverageConfig) -> str:
-    """Which waves the foam sees."""
-    if config.breaking_wavenumber is None:
-        return "no low-pass"
-    return f"k_b = {config.breaking_wavenumber:.4g} rad/m"
 
 
 def _choppiness(config: schema.CoverageConfig) -> str:

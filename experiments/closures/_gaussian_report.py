@@ -4,6 +4,7 @@ import numpy as np
 
 from .. import schema
 from ..common import _build, _markdown
+from ..common._words import low_pass
 from ..harness._files import Files
 from ..harness._result import Result, Table
 from ._gaussian_views import Comparison
@@ -22,11 +23,7 @@ def report(store: Files, seas: list[Comparison], config: schema.GaussianVsMonteC
     }
     tables = (_ratio_table(seas, config), _coverage_table(seas, config), _verdict_table(verdicts, config))
     notes = _notes(seas, verdicts, config)
-    limit = (
-        "no low-pass"
-        if config.breaking_wavenumber is None
-        else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
-    )
+    limit = low_pass(config.breaking_wavenumber)
     setting = (
         f"{config.measure} area, λ = {np.array2string(np.asarray(config.choppiness))}, {limit}, "
         f"{seas[0].draws.total:,} draws and {config.realisations} FFT seas at each wind"
@@ -136,11 +133,7 @@ def _ratio_table(seas: list[Comparison], config: schema.GaussianVsMonteCarloConf
 
 def _coverage_table(seas: list[Comparison], config: schema.GaussianVsMonteCarloConfig) -> Table:
     i = _middle(config)
-    limit = (
-        "no low-pass"
-        if config.breaking_wavenumber is None
-        else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
-    )
+    limit = low_pass(config.breaking_wavenumber)
     rows = []
     for sea in seas:
         lower, upper = sea.draws.interval(config.confidence)

@@ -10,6 +10,7 @@ import jaxocean as jo
 
 from .. import schema
 from ..common import _build
+from ..common._words import low_pass
 from ..harness._errors import UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
@@ -151,7 +152,7 @@ def _result(numbers: dict[str, float], config: schema.CoverageConfig) -> Result:
         },
         tables=(
             Table(
-                f"Whitecap coverage W at ε = {config.threshold:g}, {_coverage_views.limit(config)}",
+                f"Whitecap coverage W at ε = {config.threshold:g}, {low_pass(config.breaking_wavenumber)}",
                 ("closure", "projected area (-)", "rest area (-)"),
                 rows,
             ),

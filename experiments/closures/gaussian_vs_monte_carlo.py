@@ -9,7 +9,6 @@ import jaxocean as jo
 
 from .. import schema
 from ..common import _build, _counting
-from ..harness._errors import UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -24,7 +23,7 @@ def run(config: schema.GaussianVsMonteCarloConfig, progress: Reporter, store: Fi
     progress.step("Integrating the spectra")
     with jax.enable_x64(True):
         # The closures in double precision; for counting single precision is enough.
-        stats = [_statistics(config, speed) for speed in config.wind.speed]
+        stats = [_build.strain_statistics(config, speed) for speed in config.wind.speed]
         edges = _edges(stats)
         centres = 0.5 * (edges[1:] + edges[:-1])
         closed = [
@@ -41,21 +40,6 @@ def run(config: schema.GaussianVsMonteCarloConfig, progress: Reporter, store: Fi
     _gaussian_views.plot_densities(store, seas, centres)
     _gaussian_views.save(store, seas, centres, config)
     return _gaussian_report.report(store, seas, config)
-
-
-def _statistics(config: schema.GaussianVsMonteCarloConfig, speed: float) -> jo.whitecaps.StrainStatistics:
-    stats = jo.whitecaps.strain_statistics(
-        _build.spectrum(config.spectrum, _build.wind(config.wind, speed=speed)),
-        config.choppiness,
-        cascade=_build.cascade(config.cascade),
-        breaking_wavenumber=config.breaking_wavenumber,
-    )
-    if not float(stats.jacobian_variance()) > 0:
-        raise UserError(
-            f"The waves at U10 = {speed:g} m/s do not strain the surface (j = 1 everywhere), so that nothing "
-            "breaks: raise `wind.speed`, `choppiness`, `spectrum.scale` or `breaking_wavenumber`."
-        )
-    return stats
 
 
 def _edges(stats: list[jo.whitecaps.StrainStatistics]) -> np.ndarray:

@@ -36,6 +36,24 @@ def cascade(config: schema.CascadeConfig) -> jo.surface.Cascade:
     return jo.surface.Cascade(sizes=config.sizes, resolution=config.resolution, bands=config.bands)
 
 
+def strain_statistics(
+    config: schema.GaussianVsMonteCarloConfig | schema.FootprintBiasConfig, speed: float
+) -> jo.whitecaps.StrainStatistics:
+    """The strain of a config's sea under the wind `speed` [m/s]; an error where nothing can break."""
+    stats = jo.whitecaps.strain_statistics(
+        spectrum(config.spectrum, wind(config.wind, speed=speed)),
+        config.choppiness,
+        cascade=cascade(config.cascade),
+        breaking_wavenumber=config.breaking_wavenumber,
+    )
+    if not float(stats.jacobian_variance()) > 0:
+        raise UserError(
+            f"The waves at U10 = {speed:g} m/s do not strain the surface (j = 1 everywhere), so that nothing "
+            "breaks: raise `wind.speed`, `choppiness`, `spectrum.scale` or `breaking_wavenumber`."
+        )
+    return stats
+
+
 def unresolved_breaking(cascade: jo.surface.Cascade, breaking_wavenumber: float | None) -> list[str]:
     """A note for results whose cascade does not carry all the waves that foam sees."""
     limit = cascade.wavenumber_limit

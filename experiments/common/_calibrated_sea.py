@@ -10,6 +10,7 @@ import jaxocean as jo
 
 from ..schema import CalibratedSeaConfig
 from . import _build
+from ._words import low_pass
 
 
 def model(config: CalibratedSeaConfig) -> fitting.SpectralModel:
@@ -39,11 +40,7 @@ def winds(config: CalibratedSeaConfig) -> jo.Wind:
 def named(config: CalibratedSeaConfig) -> str:
     """Which area and which waves the numbers belong to."""
     lower, upper = config.band or _build.cascade(config.cascade).band
-    limit = (
-        "no low-pass"
-        if config.breaking_wavenumber is None
-        else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
-    )
+    limit = low_pass(config.breaking_wavenumber)
     return f"{config.measure} area, k = {lower:.3g}–{upper:.3g} rad/m, {limit}"
 
 

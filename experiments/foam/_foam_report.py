@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..common import _build
+from ..common._words import low_pass
 from ..harness._result import Result, Table
 from ._foam_results import View
 from ._foam_views import CALLAGHAN, MONAHAN
@@ -87,7 +88,10 @@ def _coverage_table(view: View, means: dict) -> Table:
         for i, speed in enumerate(view.config.wind.speed)
     ]
     columns = ("U10 (m/s)", "active: tile", "exact", "law", "total: tile", "renewal", "Poisson", "law ")
-    title = f"Coverage, projected area, ε = {calibration.used[0]:.3f}, τ = {calibration.used[1]:.3g} s, {_band(view)}"
+    sees = low_pass(view.config.breaking_wavenumber)
+    title = (
+        f"Coverage, projected area, ε = {calibration.used[0]:.3f}, τ = {calibration.used[1]:.3g} s, {sees}"
+    )
     return Table(title, columns, rows)
 
 
@@ -146,8 +150,8 @@ def _notes(view: View, means: dict, errors: dict, events: dict) -> list[str]:
     place = "inside" if CALLAGHAN[0] <= tau <= CALLAGHAN[1] else "outside"
     notes.append(
         f"Active coverage after {laws[0]} and total coverage after {laws[1]} agree best at one τ = {tau:.2f} ± "
-        f"{error:.2f} s for all winds ({_band(view)}, projected area): {place} the {CALLAGHAN[0]:g} to "
-        f"{CALLAGHAN[1]:g} s of the literature, beside Monahan's {MONAHAN:g} s. It leaves {fit.rms[laws[1]]:.2f} in "
+        f"{error:.2f} s for all winds ({low_pass(view.config.breaking_wavenumber)}, projected area): {place} the "
+        f"{CALLAGHAN[0]:g} to {CALLAGHAN[1]:g} s of the literature, beside Monahan's {MONAHAN:g} s. It leaves {fit.rms[laws[1]]:.2f} in "
         f"log10 W, and the error is that of laws that scatter by half a decade. With ε and τ of its own, each wind "
         f"obeys both laws at τ = {_range(calibration.own_decay_time, 's')}."
     )
@@ -225,11 +229,6 @@ def markdown(view: View, result: Result) -> str:
         lines += ["| " + " | ".join(row) + " |" for row in table.cells()]
         lines.append("")
     return "\n".join(lines)
-
-
-def _band(view: View) -> str:
-    k = view.config.breaking_wavenumber
-    return "no low-pass" if k is None else f"k_b = {k:.4g} rad/m"
 
 
 def _winds(speeds: tuple[float, ...]) -> str:

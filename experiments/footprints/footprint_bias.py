@@ -10,7 +10,6 @@ import jaxocean as jo
 
 from .. import schema
 from ..common import _build, _tiles
-from ..harness._errors import UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -81,17 +80,7 @@ def _measure(
 def _whole_plane(config: schema.FootprintBiasConfig, speed: float) -> tuple[np.ndarray, float, float]:
     """Exact coverage of the whole plane, the skewness of its j, and the ε above which Gaussian j is good enough."""
     with jax.enable_x64(True):
-        stats = jo.whitecaps.strain_statistics(
-            _build.spectrum(config.spectrum, _build.wind(config.wind, speed=speed)),
-            config.choppiness,
-            cascade=_build.cascade(config.cascade),
-            breaking_wavenumber=config.breaking_wavenumber,
-        )
-        if not float(stats.jacobian_variance()) > 0:
-            raise UserError(
-                f"The waves at U10 = {speed:g} m/s do not strain the surface (j = 1 everywhere), so that nothing "
-                "breaks: raise `wind.speed`, `choppiness`, `spectrum.scale` or `breaking_wavenumber`."
-            )
+        stats = _build.strain_statistics(config, speed)
         exact, gaussian = jo.whitecaps.ExactClosure("rest"), jo.whitecaps.GaussianClosure("rest")
         coverage = np.asarray(exact(stats, jnp.asarray(config.thresholds)))
         levels = jnp.asarray(LEVELS)

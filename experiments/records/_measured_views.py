@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from .. import schema
 from ..common import _build, _plots
+from ..common._words import low_pass
 from ..harness._files import Files, variable
 from ._measured_records import FREQUENCIES, OTHER_TAILS, Station
 
@@ -60,7 +61,7 @@ def plot_records(
         fig.legend(*bottom.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         fig.suptitle(
             f"{station.name}: {station.times.size} records, ε = {config.threshold:g} ± {config.threshold_error:g}, "
-            f"λ = {config.choppiness:g}, {_limit(config)}",
+            f"λ = {config.choppiness:g}, {low_pass(config.breaking_wavenumber)}",
             fontsize=11,
             x=0.01,
             ha="left",
@@ -149,11 +150,6 @@ def _plot_coverage(
     axes.set(yscale="log", ylim=(FLOOR, 1), ylabel="whitecap coverage W (-)", title="(c) Coverage")
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _limit(config: schema.MeasuredSeaConfig) -> str:
-    limit = config.breaking_wavenumber
-    return "no low-pass" if limit is None else f"k_b = {limit:.4g} rad/m"
 
 
 def visible(coverage: np.ndarray) -> np.ndarray:

@@ -6,15 +6,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from jaxocean._constants import GRAVITY
 from jaxocean.io import ShipRecords
 
 from .. import schema
 from ..common import _build, _plots
+from ..common._words import low_pass
 from ..harness._files import Files, variable
 
 DEVELOPED = 0.84
 COLOURS = (_plots.VERMILION, _plots.GREEN, _plots.PURPLE, _plots.ORANGE)
-GRAVITY = 9.81
 CLASS = 0.025
 """Width [-] of the classes of wave age; one begins at 0.84."""
 
@@ -31,8 +32,7 @@ def plot(
         _plot_law(law, sea, compared)
         _plot_swell(swell, sea, config)
         _plot_age(age, sea, peak_speed)
-        limit = config.breaking_wavenumber
-        sees = "no low-pass" if limit is None else f"k_b = {limit:.4g} rad/m"
+        sees = low_pass(config.breaking_wavenumber)
         fig.suptitle(
             f"{sea.wind_speed.size} ship records; exact closure, projected area, ε = {config.threshold:g} ± "
             f"{config.threshold_error:g}, λ = {config.choppiness:g}, {sees}",

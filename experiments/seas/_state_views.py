@@ -8,6 +8,7 @@ from matplotlib.ticker import MultipleLocator
 
 from .. import schema
 from ..common import _plots
+from ..common._words import low_pass
 from ..harness._files import Files, variable
 
 
@@ -18,8 +19,7 @@ def plot(store: Files, states: Any, config: schema.SeaStatesConfig) -> None:
         _plot_period(period, states, config)
         _plot_age(age, states, config)
         _plot_fetch(fetch, states, config)
-        limit = config.breaking_wavenumber
-        sees = "no low-pass" if limit is None else f"k_b = {limit:.4g} rad/m"
+        sees = low_pass(config.breaking_wavenumber)
         fig.suptitle(
             f"Elfouhaily wind seas; exact closure, projected area, ε = {config.threshold:g}, "
             f"λ = {config.choppiness:g}, {sees}; bands: ε ± {config.threshold_error:g}",

@@ -13,6 +13,7 @@ from jaxocean.spectra import BAND
 
 from .. import schema
 from ..common import _build
+from ..common._words import low_pass
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result, Table
@@ -140,11 +141,7 @@ def _result(
             names, bands, state.wave_height, mss, state.slope, jacobian, strict=True
         )
     ]
-    limit = (
-        "no low-pass"
-        if config.breaking_wavenumber is None
-        else f"k_b = {config.breaking_wavenumber:.4g} rad/m"
-    )
+    limit = low_pass(config.breaking_wavenumber)
     return Result(
         notes=(
             *_build.unheld_waves(

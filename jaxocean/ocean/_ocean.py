@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 from .._constants import BREAKING_WAVENUMBER
 from .._numerics import as_leaf, check_kind, check_scalar, optional_leaf
 from .._types import Scalar, ScalarLike
+from ..filtering import symmetric_matrix
 from ..optics import AbstractFoam, AbstractWater, Foam, Shading, Water
 from ..optics.sky import AbstractSky, HosekWilkie
 from ..spectra import slope_variance
@@ -104,5 +105,4 @@ class Ocean(eqx.Module):
         limit = self.sea.cascade.wavenumber_limit
         if limit >= SHORTEST:
             return jnp.zeros((2, 2), self.sea.waves.rate.dtype)
-        xx, yy, xy = slope_variance(self.sea.spectrum, band=(limit, SHORTEST))
-        return jnp.stack([jnp.stack([xx, xy]), jnp.stack([xy, yy])])
+        return symmetric_matrix(jnp.stack(slope_variance(self.sea.spectrum, band=(limit, SHORTEST))))

@@ -1,0 +1,96 @@
+"""What the pixels of some rows see, one ray at a time."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from .._types import Scalar
+from ..surface import Cascade, Fields
+from ._bounds import Bounds
+from ._camera import Camera
+from ._footprint import LEAST_SHARPNESS, SurfaceMoments, filter_variance
+from ._mesh import displacement_atlas
+from ._ray_footprint import footprint_axes
+from ._ray_march import first_crossing
+from ._ray_root import meet_surface
+from ._ray_surface import RaySurface
+from ._steepness import Steepness
+
+MOST_RAYS = 2**16
+"""Rays that are traced at once, unless one row of the image has more."""
+
+
+class Rays(eqx.Module):
+    """One ray, or several, through each pixel."""
+
+    samples: int = eqx.field(static=True, default=1)
+    least_step: float = eqx.field(static=True, default=0.5)
+
+    def __check_init__(self) -> None:
+        if not 1 <= self.samples <= 64:
+            raise ValueError(f"Argument `samples` must be 1 to 64 a side, but is {self.samples}.")
+        if not 0.01 <= self.least_step <= 2:
+            raise ValueError(f"Argument `least_step` must be 0.01 to 2 filter widths, but is {self.least_step}.")
+
+
+class RayHits(NamedTuple):
+    """What each ray sees.
+
+    **Arguments:** `hit`: whether it meets water; `depth`: along it [m]; `x`, `y`: rest point from the point below the
+    camera [m]; `axes`: ∂x/∂column, ∂x/∂row, ∂y/∂column, ∂y/∂row [m]; `variance`: of the filter that stands for the
+    footprint [m²]. Without water, depth and variance are 1 and the rest is 0.
+    """
+
+    hit: Bool[Array, "rows columns"]
+    depth: Float[Array, "rows columns"]
+    x: Float[Array, "rows columns"]
+    y: Float[Array, "rows columns"]
+    axes: tuple[Float[Array, "rows columns"], ...]
+    variance: Float[Array, "rows columns"]
+
+
+class RayScene(eqx.Module):
+    """All that rays of one image need.
+
+    **Arguments:** `size`: (rows, columns) of rays.
+    """
+
+    surface: RaySurface
+    steepness: Steepness
+    bounds: Bounds
+    camera: Camera
+    size: tuple[int, int] = eqx.field(static=True)
+    least_step: float = eqx.field(static=True)
+
+    @classmethod
+    def of_fields(
+        cls, fields: Fields, cascade: Cascade, camera: Camera, size: tuple[int, int], rays: Rays, curvature: Scalar
+    ) -> "RayScene":
+        """The scene of a sea's fields at one time, for an image of `size` pixels."""
+        atlas, bounds = displacement_atlas(fields, cascade), Bounds.of_fields(fields)
+        size = size[0] * rays.samples, size[1] * rays.samples
+        height = camera.position[2]
+        tallest = jnp.maximum(-bounds.lowest, bounds.highest)
+        level = jnp.sqrt(jnp.maximum(height, 0.0) ** 2 + tallest**2 + 1e-12)
+        surface = RaySurface(atlas, camera.position[:2], level, 1 / camera.focal_length(size), curvature)
+        return cls(surface, Steepness.of_atlas(atlas), bounds, camera, size, rays.least_step)
+
+    def trace(self, moments: SurfaceMoments, rows: Float[Array, " rows"]) -> RayHits:
+        """What the rays in some rows see."""
+        camera, surface = self.camera, self.surface
+        rays, height = camera.rays(self.size, rows), camera.position[2]
+        still = jax.lax.stop_gradient((surface, self.steepness, self.bounds, rays, height))
+        start = first_crossing(*still, self.least_step)
+        hit = start.hit
+        one = jnp.ones_like(start.depth)
+        x, y = jnp.where(hit, start.x, 0.0), jnp.where(hit, start.y, 0.0)
+        slant = surface.view(x, y)[1]
+        held = (x, y, jnp.where(hit, start.depth, one))
+        x, y, depth = meet_surface(surface, held, hit, rays, height, slant)
+        axes = footprint_axes(surface, moments, camera, self.size, rays, (x, y, depth))
+        variance = jnp.clip(filter_variance(axes), 1e-12, LEAST_SHARPNESS**-4)
+        axes = tuple(jnp.where(hit, axis, 0.0) for axis in axes)
+        return RayHits(hit, depth, x, y, axes, jnp.where(hit, variance, one))
