@@ -1,5 +1,7 @@
 """What may stand in a config: typed sections with units, ranges and meanings. No JAX here."""
 
+from ._animate import AnimateConfig as AnimateConfig
+from ._animate import KeyFrameConfig as KeyFrameConfig
 from ._base import ExperimentConfig as ExperimentConfig
 from ._base import Section as Section
 from ._base import key as key
@@ -14,6 +16,7 @@ from ._dupuy import DupuyScenesConfig as DupuyScenesConfig
 from ._dupuy import Scene as Scene
 from ._experiments import MapConfig as MapConfig
 from ._experiments import SeaStateConfig as SeaStateConfig
+from ._flyover import FlyoverConfig as FlyoverConfig
 from ._foam import EventsConfig as EventsConfig
 from ._foam import FoamInTimeConfig as FoamInTimeConfig
 from ._foam import FoamWindsConfig as FoamWindsConfig
@@ -33,6 +36,7 @@ from ._render import EvenSkyConfig as EvenSkyConfig
 from ._render import ImageConfig as ImageConfig
 from ._render import PanoramaSkyConfig as PanoramaSkyConfig
 from ._render import RenderConfig as RenderConfig
+from ._render import SceneConfig as SceneConfig
 from ._render import SkyConfig as SkyConfig
 from ._repetition import RepetitionConfig as RepetitionConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER

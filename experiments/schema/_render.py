@@ -1,4 +1,4 @@
-"""The config of `render`."""
+"""What a picture is made from, and the config of `render`."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -133,17 +133,15 @@ class ImageConfig(Section):
     )
 
 
-class RenderConfig(ExperimentConfig):
-    """`render`: a picture of a sea, with everything that it is made of."""
+class SceneConfig(ExperimentConfig):
+    """What every picture is made from: a sea, a camera, the light, the image."""
 
-    experiment: Literal["render"] = key("render", meaning="which experiment this config runs")
     wind: WindConfig = key(WindConfig(), meaning="the wind")
     spectrum: SpectrumConfig = key(ElfouhailyConfig(), meaning="the wave spectrum")
     cascade: CascadeConfig = key(CascadeConfig(), meaning="the periodic patterns")
     choppiness: Choppiness = choppiness_key()
     threshold: float = threshold_key(0.65)
     breaking_wavenumber: float | None = breaking_wavenumber_key()
-    time: float = key(0.0, unit="s", meaning="time of the picture", ge=0, le=1e9)
     camera: CameraConfig = key(CameraConfig(), meaning="the camera")
     sky: SkyConfig = key(ClearSkyConfig(), meaning="where the light comes from")
     water: WaterConfig = key(WaterConfig(), meaning="the colour of the water body")
@@ -152,9 +150,16 @@ class RenderConfig(ExperimentConfig):
     planet: bool = key(False, meaning="whether the sea curves with the earth: for views from high above")
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check_choppiness(self) -> Self:
         check_choppiness(self.choppiness, len(self.cascade.sizes))
         return self
 
     def inputs(self) -> tuple[str, ...]:
         return (self.sky.file,) if isinstance(self.sky, PanoramaSkyConfig) else ()
+
+
+class RenderConfig(SceneConfig):
+    """`render`: a picture of a sea, with everything that it is made of."""
+
+    experiment: Literal["render"] = key("render", meaning="which experiment this config runs")
+    time: float = key(0.0, unit="s", meaning="time of the picture", ge=0, le=1e9)
