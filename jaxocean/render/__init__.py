@@ -5,6 +5,7 @@ from ._camera import check_above as check_above
 from ._edges import Edges as Edges
 from ._footprint import SurfaceMoments as SurfaceMoments
 from ._planet import EARTH_CURVATURE as EARTH_CURVATURE
+from ._rays import Rays as Rays
 from ._render import Layers as Layers
 from ._render import render as render
 from ._render import render_layers as render_layers

@@ -24,7 +24,7 @@ def footprint_axes(
 ) -> tuple[Float[Array, "rows columns"], ...]:
     """∂x/∂column, ∂x/∂row, ∂y/∂column and ∂y/∂row [m] of the rest point (x, y) at depth d along the ray.
 
-    $$ T\\,∂p + q\\,∂A + A\\,∂q = 0, \\quad T = \\begin{pmatrix} 1 + a & c & ∂_x η \\\\ c & 1 + b & ∂_y η \\end{pmatrix} $$
+    $$ T_1\\,∂x + T_2\\,∂y = q\\,∂A + A\\,∂q, \\quad T_1 = (1 + a, c, ∂_x η), \\; T_2 = (c, 1 + b, ∂_y η) $$
 
     with q the ray of length 1 along the direction of view and A how far the point lies ahead. Slopes and strain are
     read from the textures that the shading reads, which have no jumps between texels. Where the surface is seen edge
@@ -48,7 +48,8 @@ def footprint_axes(
         moved = ahead[..., None] * turned + further[..., None] * through
         columns.append(
             tuple(
-                jnp.sum(jnp.cross(*pair) * normal, axis=-1) / square for pair in ((moved, second), (first, moved))
+                jnp.sum(jnp.cross(*pair) * normal, axis=-1) / square
+                for pair in ((moved, second), (first, moved))
             )
         )
     (x_column, y_column), (x_row, y_row) = columns

@@ -92,7 +92,10 @@ def first_crossing(
     upright = flat < 1e-6
     length = jnp.where(upright, 1.0, flat)
     plane = _Rays(
-        jnp.where(upright, 1.0, rays[..., 0] / length), jnp.where(upright, 0.0, rays[..., 1] / length), flat, -rays[..., 2]
+        jnp.where(upright, 1.0, rays[..., 0] / length),
+        jnp.where(upright, 0.0, rays[..., 1] / length),
+        flat,
+        -rays[..., 2],
     )
     start, end = _stretch(plane, bounds, height, surface.curvature)
     missed = ~jnp.isfinite(start)

@@ -74,18 +74,28 @@ class PerPixel(lx.AbstractLinearSolver):
         ones = jax.tree.map(lambda s: jnp.ones(s.shape, s.dtype), operator.in_structure())
         nothing = jax.tree.map(jnp.zeros_like, ones)
         rows = [
-            operator.mv(tuple(one if i == j else zero for j, (one, zero) in enumerate(zip(ones, nothing, strict=True))))
+            operator.mv(
+                tuple(
+                    one if i == j else zero for j, (one, zero) in enumerate(zip(ones, nothing, strict=True))
+                )
+            )
             for i in range(3)
         ]
         return tuple(rows)
 
-    def compute(self, state: Any, vector: Any, options: dict[str, Any]) -> tuple[Any, lx.RESULTS, dict[str, Any]]:
+    def compute(
+        self, state: Any, vector: Any, options: dict[str, Any]
+    ) -> tuple[Any, lx.RESULTS, dict[str, Any]]:
         del options
         first, second, third = state
         normal = _cross(first, second)
         determinant = _dot(normal, third)
         inverse = determinant / (determinant**2 + EDGE_ON**2)
-        found = (_dot(_cross(second, third), vector), _dot(_cross(third, first), vector), _dot(normal, vector))
+        found = (
+            _dot(_cross(second, third), vector),
+            _dot(_cross(third, first), vector),
+            _dot(normal, vector),
+        )
         return tuple(part * inverse for part in found), lx.RESULTS.successful, {}
 
     def transpose(self, state: Any, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:

@@ -9,8 +9,8 @@ from ._atlas import Atlas
 from ._footprint import LEAST_SHARPNESS, SHARPNESS
 from ._planet import wrap
 
-LEAST_VIEW = 1e-3
-"""Sine of the angle of view below which, near a planet's horizon, footprints stop growing."""
+LEAST_VIEW = 1e-6
+"""Sine of the angle of view below which, at a planet's horizon, footprints stop growing."""
 
 
 class RaySurface(eqx.Module):
@@ -38,7 +38,7 @@ class RaySurface(eqx.Module):
         flat, drop = wrap(offset, jnp.zeros_like(x), self.curvature)
         _, above = wrap(offset, jnp.broadcast_to(self.level, x.shape), self.curvature)
         distance = jnp.sqrt(flat[..., 0] ** 2 + flat[..., 1] ** 2 + (self.level - drop) ** 2)
-        return distance, jnp.maximum(above / distance, LEAST_VIEW * jnp.minimum(1.0, self.curvature * 1e30))
+        return distance, jnp.maximum(above / distance, LEAST_VIEW)
 
     def variance(self, x: Float[Array, "*b"], y: Float[Array, "*b"]) -> Float[Array, "*b"]:
         """Of the filter [m²] along each axis, at rest points (x, y) from the point below the camera.

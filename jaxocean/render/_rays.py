@@ -1,11 +1,11 @@
-"""What the pixels of some rows see, one ray at a time."""
+"""What pixels see, one ray at a time."""
 
 from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Shaped
 
 from .._types import Scalar
 from ..surface import Cascade, Fields
@@ -24,7 +24,19 @@ MOST_RAYS = 2**16
 
 
 class Rays(eqx.Module):
-    """One ray, or several, through each pixel."""
+    """One ray through each pixel, or a square of them.
+
+    Each ray marches to the first place where it passes below the filtered surface, in steps that are bounded by how
+    steep that surface can be, and Newton's method finishes. There is no mesh to lay out, and crests are as sharp as the
+    footprints allow. Silhouettes have stairs, for a ray sees one thing, and unlike those of `Raster` they carry no
+    derivative. With s² rays a pixel, light and all that the image is made of are means over them, each with the
+    footprint of its own part of the pixel: a reference for both methods, at s² times the cost.
+
+    **Arguments:** `samples` s: rays along each side of a pixel, 1 by default; `least_step`: of the march, in widths of
+    the footprint's filter (of which no wave in the filtered surface is shorter than two), 0.5 by default.
+
+    **Raises:** `ValueError` for samples outside 1 to 64, or a step outside 0.01 to 2.
+    """
 
     samples: int = eqx.field(static=True, default=1)
     least_step: float = eqx.field(static=True, default=0.5)
@@ -33,7 +45,9 @@ class Rays(eqx.Module):
         if not 1 <= self.samples <= 64:
             raise ValueError(f"Argument `samples` must be 1 to 64 a side, but is {self.samples}.")
         if not 0.01 <= self.least_step <= 2:
-            raise ValueError(f"Argument `least_step` must be 0.01 to 2 filter widths, but is {self.least_step}.")
+            raise ValueError(
+                f"Argument `least_step` must be 0.01 to 2 filter widths, but is {self.least_step}."
+            )
 
 
 class RayHits(NamedTuple):
@@ -67,7 +81,13 @@ class RayScene(eqx.Module):
 
     @classmethod
     def of_fields(
-        cls, fields: Fields, cascade: Cascade, camera: Camera, size: tuple[int, int], rays: Rays, curvature: Scalar
+        cls,
+        fields: Fields,
+        cascade: Cascade,
+        camera: Camera,
+        size: tuple[int, int],
+        rays: Rays,
+        curvature: Scalar,
     ) -> "RayScene":
         """The scene of a sea's fields at one time, for an image of `size` pixels."""
         atlas, bounds = displacement_atlas(fields, cascade), Bounds.of_fields(fields)
@@ -94,3 +114,24 @@ class RayScene(eqx.Module):
         variance = jnp.clip(filter_variance(axes), 1e-12, LEAST_SHARPNESS**-4)
         axes = tuple(jnp.where(hit, axis, 0.0) for axis in axes)
         return RayHits(hit, depth, x, y, axes, jnp.where(hit, variance, one))
+
+
+def ray_bands(size: tuple[int, int], samples: int, dtype: jnp.dtype) -> Float[Array, "band some"]:
+    """Numbers of the rows of rays, in bands of whole pixels that are traced one after the other."""
+    rows, columns = size
+    most = max(1, MOST_RAYS // (columns * samples**2))
+    some = max(part for part in range(1, min(most, rows) + 1) if rows % part == 0)
+    return jnp.arange(rows * samples, dtype=dtype).reshape(-1, some * samples)
+
+
+def average(
+    values: Shaped[Array, "rays_down rays_across *b"], samples: int
+) -> Shaped[Array, "rows columns *b"]:
+    """Means over the rays of each pixel; of what is true or false, what at least half of them say."""
+    if samples == 1:
+        return values
+    rows, columns, *others = values.shape
+    pixels = values.reshape(rows // samples, samples, columns // samples, samples, *others)
+    if values.dtype == bool:
+        return jnp.mean(pixels.astype(jnp.float32), axis=(1, 3)) >= 0.5
+    return jnp.mean(pixels, axis=(1, 3))

@@ -15,6 +15,7 @@ from ..optics.sky import ImageSky, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
 from ._camera import Camera, check_above, check_size
+from ._rays import Rays
 from ._visible import Raster, Visible, map_visible
 
 
@@ -59,7 +60,7 @@ def render(
     time: ScalarLike,
     size: tuple[int, int] = (720, 1280),
     *,
-    method: Raster | None = None,
+    method: Raster | Rays | None = None,
     curvature: ScalarLike = 0.0,
 ) -> Float[Array, "rows columns 3"]:
     """The picture of an ocean, as linear light.
@@ -72,7 +73,7 @@ def render(
 
     - `ocean`, `camera`: see there; `time`: t [s].
     - `size`: (rows, columns) of the image.
-    - `method`: how the water that a pixel sees is found; `Raster()` if None.
+    - `method`: how the water that a pixel sees is found, `Raster()` or `Rays()`; `Raster()` if None.
     - `curvature`: of the planet [1/m], 0 for a plane; see `EARTH_CURVATURE`.
 
     **Returns:** radiance, linear with sRGB primaries, in the unit of the sky's radiance.
@@ -90,7 +91,7 @@ def render_layers(
     time: ScalarLike,
     size: tuple[int, int] = (720, 1280),
     *,
-    method: Raster | None = None,
+    method: Raster | Rays | None = None,
     curvature: ScalarLike = 0.0,
 ) -> Layers:
     """The picture with everything that it is made of.
@@ -168,7 +169,9 @@ class _Scene:
 
 
 @eqx.filter_jit
-def _radiance(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, curvature: Scalar) -> Array:
+def _radiance(
+    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar
+) -> Array:
     scene = _Scene(ocean, fields.packed.real.dtype)
 
     def shade(visible: Visible) -> Array:
@@ -182,7 +185,9 @@ def _radiance(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster
 
 
 @eqx.filter_jit
-def _layers(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, curvature: Scalar) -> Layers:
+def _layers(
+    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar
+) -> Layers:
     scene = _Scene(ocean, fields.packed.real.dtype)
 
     def shade(visible: Visible) -> Layers:
@@ -213,6 +218,8 @@ def _layers(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, 
     layers, edges = map_visible(
         shade, fields, ocean.sea.cascade, camera, size, method=method, curvature=curvature
     )
+    if isinstance(method, Rays):
+        layers = _of_the_sea(layers)
     # Only light and shares mix along silhouettes; the mean of two distances is the distance of nothing.
     mixed = ("radiance", "sun", "sky", "water", "foam", "background", "sea", "coverage")
     return eqx.tree_at(
@@ -220,6 +227,18 @@ def _layers(ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster, 
         layers,
         [edges.blend(getattr(layers, name)) for name in mixed],
     )
+
+
+def _of_the_sea(layers: Layers) -> Layers:
+    """The same with what only the sea has as means over those rays of each pixel that see it."""
+    own = ("depth", "rest_point", "normal", "slope_variance", "jacobian_mean", "jacobian_variance")
+    share = jnp.where(layers.sea > 0, layers.sea, 1.0)
+
+    def mean(name: str) -> Array:
+        values = getattr(layers, name)
+        return values / share.reshape(share.shape + (1,) * (values.ndim - 2))
+
+    return eqx.tree_at(lambda each: [getattr(each, n) for n in own], layers, [mean(n) for n in own])
 
 
 def _fast(closure: AbstractClosure) -> AbstractClosure:

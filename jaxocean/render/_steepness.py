@@ -32,7 +32,9 @@ class Steepness(eqx.Module):
         first = float(np.floor(2 * np.log2(samples.min() / 2)))
         final = float(np.ceil(2 * np.log2(max(atlas.sizes))) + 1)
         dtype = atlas.channels.dtype
-        variance = jnp.exp2(jnp.linspace(first, final, int(STEPS_PER_OCTAVE * (final - first)) + 1, dtype=dtype))
+        variance = jnp.exp2(
+            jnp.linspace(first, final, int(STEPS_PER_OCTAVE * (final - first)) + 1, dtype=dtype)
+        )
         table = jnp.zeros((2, variance.size), dtype)
         for pattern, sample in enumerate(samples):
             levels = range(len(Levels(atlas.resolution).counts))
@@ -52,6 +54,8 @@ class Steepness(eqx.Module):
 def _steepest(atlas: Atlas, number: int, pattern: int) -> Float[Array, "2"]:
     texels = atlas.level(number, pattern)
     spacing = atlas.sizes[pattern] / texels.shape[-1]
-    steps = [jnp.max(jnp.square(jnp.roll(texels, -1, axis=axis) - texels), axis=(-2, -1)) for axis in (-1, -2)]
+    steps = [
+        jnp.max(jnp.square(jnp.roll(texels, -1, axis=axis) - texels), axis=(-2, -1)) for axis in (-1, -2)
+    ]
     u, v, height = (steps[0] + steps[1]) / spacing**2
     return jnp.sqrt(jnp.stack([u + v, height]))

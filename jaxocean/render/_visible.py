@@ -23,6 +23,7 @@ from ._hits import footprint_edges, meet
 from ._mesh import displaced_mesh, displacement_atlas
 from ._projected_grid import rest_grid
 from ._raster import visible_triangles
+from ._rays import Rays, RayScene, average, ray_bands
 
 T = TypeVar("T")
 
@@ -129,7 +130,7 @@ def visible_points(
     camera: Camera,
     size: tuple[int, int],
     *,
-    method: Raster | None = None,
+    method: Raster | Rays | None = None,
     curvature: ScalarLike = 0.0,
 ) -> tuple[Visible, Edges]:
     """What a camera sees of a sea at one time, for all pixels.
@@ -168,7 +169,7 @@ def map_visible(
     camera: Camera,
     size: tuple[int, int],
     *,
-    method: Raster | None = None,
+    method: Raster | Rays | None = None,
     curvature: ScalarLike = 0.0,
 ) -> tuple[T, Edges]:
     """The image of what `shade` makes of what the pixels see, in bands of rows, so that memory stays small.
@@ -183,10 +184,11 @@ def map_visible(
     - `fields`: of a sea at one time (`Sea.fields`, `Ocean.fields`) on the patterns of `cascade`.
     - `camera`: see `check_above` for one that may be under water.
     - `size`: (rows, columns) of the image.
-    - `method`: how the water that a pixel sees is found; `Raster()` if None.
+    - `method`: how the water that a pixel sees is found, `Raster()` or `Rays()`; `Raster()` if None.
     - `curvature`: of the planet [1/m], 0 for a plane; see `EARTH_CURVATURE`.
 
-    **Returns:** the arrays of the whole image, and the silhouettes.
+    **Returns:** the arrays of the whole image, and the silhouettes: with `Rays` none, and with several of them in each
+    pixel the means over its rays.
 
     **Raises:** `ValueError` for a size that makes no sense.
     """
@@ -194,6 +196,8 @@ def map_visible(
     method = method or Raster()
     dtype = fields.packed.real.dtype
     camera, curvature = camera.astype(dtype), as_leaf(curvature).astype(dtype)
+    if isinstance(method, Rays):
+        return _map_rays(shade, fields, cascade, camera, size, method, curvature)
     bounds = Bounds.of_fields(fields)
     grid = rest_grid(camera, size, method.spacing, bounds, curvature)
     mesh = displaced_mesh(grid, displacement_atlas(fields, cascade), camera, size, curvature)
@@ -218,3 +222,22 @@ def map_visible(
 
     shaded, exits = jax.lax.map(one, (cut(triangle), cut(jnp.arange(size[0], dtype=dtype))))
     return jax.tree.map(join, shaded), silhouettes(jax.tree.map(join, exits))
+
+
+def _map_rays(shade, fields, cascade, camera, size, method: Rays, curvature) -> tuple:
+    scene = RayScene.of_fields(fields, cascade, camera, size, method, curvature)
+    moments = SurfaceMoments.from_fields(fields, cascade)
+    dtype = fields.packed.real.dtype
+
+    def one(rows):
+        hits = scene.trace(moments, rows)
+        seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
+        place = (hits.x, hits.y)
+        visible = Visible(
+            camera, scene.size, rows, hits.hit, hits.depth, place, hits.axes, hits.variance, seen
+        )
+        return jax.tree.map(lambda each: average(each, method.samples), shade(visible))
+
+    shaded = jax.lax.map(one, ray_bands(size, method.samples, dtype))
+    none = Edges(jnp.zeros((size[0], size[1] - 1), dtype), jnp.zeros((size[0] - 1, size[1]), dtype))
+    return jax.tree.map(join, shaded), none
