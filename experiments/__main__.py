@@ -72,7 +72,7 @@ def run(
         keep_compiled_programs()
         try:
             with bars(Console(stderr=True)) as progress:
-                finished = execute(loaded, progress)
+                finished = execute(loaded, progress, anew=force)
         except KeyboardInterrupt:
             raise Interrupted("Interrupted: nothing was kept of the unfinished run.") from None
     sys.stdout.write(finished.summary())
@@ -81,7 +81,7 @@ def run(
         print(f"\nFound again, finished {origin['date']} (--force repeats it): {finished.folder}")
     else:
         print(f"\nFinished in {origin['duration_s']:.1f} s: {finished.folder}")
-    print("  " + "  ".join(finished.files()))
+    print("  " + "  ".join(finished.contents()))
 
 
 @app.command()

@@ -21,10 +21,11 @@ def find_finished(loaded: Loaded) -> FinishedRun | None:
     return find(run_folder(loaded, identity(loaded)))
 
 
-def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
+def execute(loaded: Loaded, progress: Reporter | None = None, *, anew: bool = False) -> FinishedRun:
     """Run the experiment and replace an earlier run of the same config.
 
-    **Arguments:** `loaded`: the config; `progress`: who is told what is being done.
+    **Arguments:** `loaded`: the config; `progress`: who is told what is being done; `anew`: whether to throw away what
+    an interrupted run has kept.
 
     **Returns:** the finished run.
 
@@ -33,6 +34,8 @@ def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
     digest = identity(loaded)
     with RunWriter(run_folder(loaded, digest)) as writer:
         start = time.perf_counter()
+        if anew:
+            writer.forget()
         try:
             run = loaded.experiment.load()
             # Only now: xarray and matplotlib come with the experiment.
@@ -41,7 +44,9 @@ def execute(loaded: Loaded, progress: Reporter | None = None) -> FinishedRun:
 
             with warnings.catch_warnings():
                 messages = collect_warnings()
-                result = run(loaded.config, progress or Silent(), Files(writer.folder, loaded))
+                result = run(
+                    loaded.config, progress or Silent(), Files(writer.folder, loaded, writer.unfinished)
+                )
             result = replace(result, notes=(*result.notes, *dict.fromkeys(messages)))
             _write(writer, result, loaded, provenance(loaded, digest, time.perf_counter() - start))
             return writer.finish()

@@ -21,12 +21,19 @@ from ._version import version
 class Files:
     """The `store` that an experiment's `run` is given.
 
-    **Arguments:** `folder`: where the run is being written; `loaded`: its config, named in every data file.
+    **Arguments:** `folder`: where the run is being written; `loaded`: its config, named in every data file;
+    `unfinished`: where `unfinished` keeps things, inside of `folder` unless said.
     """
 
-    def __init__(self, folder: Path, loaded: Loaded) -> None:
+    def __init__(self, folder: Path, loaded: Loaded, unfinished: Path | None = None) -> None:
         self.folder = folder
         self._loaded = loaded
+        self._unfinished = unfinished or folder / "unfinished"
+
+    def unfinished(self) -> Path:
+        """A folder that an interrupted run leaves to the next run of the same config; a finished one removes it."""
+        self._unfinished.mkdir(parents=True, exist_ok=True)
+        return self._unfinished
 
     def picture(self, name: str, figure: Figure) -> None:
         """Save a figure as `<name>.png` and close it."""

@@ -52,6 +52,16 @@ class FinishedRun:
         """Names of its files, sorted."""
         return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*") if path.is_file())
 
+    def contents(self) -> list[str]:
+        """Names of its files and folders, sorted; a folder with how many files it holds."""
+
+        def called(path: Path) -> str:
+            if path.is_file():
+                return path.name
+            return f"{path.name}/ ({sum(inside.is_file() for inside in path.rglob('*'))} files)"
+
+        return [called(path) for path in sorted(self.folder.iterdir())]
+
 
 def run_folder(loaded: Loaded, digest: str) -> Path:
     """`<output>/<config>-<hash8>`."""
@@ -68,14 +78,16 @@ def find(folder: Path) -> FinishedRun | None:
 class RunWriter:
     """A run being written, in a hidden sibling of its final folder; use it as a context manager.
 
-    Leaving the context without `finish` removes everything. A process that is killed leaves its hidden folder
-    to the next run, which removes it.
+    Leaving the context without `finish` removes everything but `unfinished`, the hidden folder where a long run may
+    keep parts for the next run of the same config. A process that is killed leaves its own hidden folder to the next
+    run, which removes it.
     """
 
     def __init__(self, target: Path) -> None:
         self.target = target
         self._mark = f"{socket.gethostname().replace('.', '_')}.{os.getpid()}.{uuid4().hex[:8]}"
         self.folder = target.parent / f".{target.name}.{self._mark}.partial"
+        self.unfinished = target.parent / f".{target.name}.unfinished"
 
     def __enter__(self) -> "RunWriter":
         parent = self.target.parent
@@ -118,7 +130,12 @@ class RunWriter:
         os.replace(self.folder, self.target)
         _flush(self.target.parent)
         shutil.rmtree(replaced, ignore_errors=True)
+        self.forget()
         return FinishedRun(self.target)
+
+    def forget(self) -> None:
+        """Remove what an interrupted run has kept."""
+        shutil.rmtree(self.unfinished, ignore_errors=True)
 
 
 def remove_stale(parent: Path) -> None:

@@ -18,6 +18,8 @@ from ._negative import MaximumEntropy as MaximumEntropy
 from ._read import Kind as Kind
 from ._read import open_spectra as open_spectra
 from ._read import read_spectrum as read_spectrum
+from ._sequences import write_gif as write_gif
+from ._sequences import write_mp4 as write_mp4
 from ._ships import ShipRecords as ShipRecords
 from ._ships import read_ship_records as read_ship_records
 from ._write import dataset_from_spectrum as dataset_from_spectrum
