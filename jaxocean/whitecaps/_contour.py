@@ -6,9 +6,10 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from .._elementary import exponential, inverse_root, reciprocal
+from ..surface.fft._apart import compute_apart
 from ..surface.fft._sincos import sincos_turns
 from ._quadratic_form import Form
 
@@ -30,18 +31,32 @@ GONE = -8.0
 STRIP_STEPS, SADDLE_STEPS = 2, 2
 
 
-class _Sums(NamedTuple):
-    """(1/2πi)∫ f e^{K − tx} dt/t over the contour, all real, for several f.
+class _Path(NamedTuple):
+    """The contour through t = `start` on the real axis, and D and t²Q/D around there (see `_taylor`)."""
 
-    **Arguments:** `probability`: f = 1; `excess`: 1/t; `density`: t; `by_q`: t^m/D for m = 1 to 4; `by_d`:
-    t^m (½ + t²Q/D)/D for m = 0 to 3. The first two are taken to be positive.
+    start: Float[Array, "*b"]
+    d: Float[Array, "*b"]
+    ds: tuple[Float[Array, "*b"], ...]
+    ps: tuple[Float[Array, "*b"], ...]
+    width: Float[Array, "*b"]
+    bend: Float[Array, "*b"]
+    tilt: Float[Array, "*b"]
+    gap: Float[Array, "*b"]
+
+
+class _Node(NamedTuple):
+    """One node of it, complex numbers as pairs.
+
+    **Arguments:** `t`; `weight`: e^{K − tx} dt/t; `ratio`: D over its value at the start; `inverse`: 1/|ratio|;
+    `lift`: t²Q/D; `alive`: whether the integrand has not yet vanished on the way here.
     """
 
-    probability: Float[Array, "*b"]
-    excess: Float[Array, "*b"]
-    density: Float[Array, "*b"]
-    by_q: tuple[Float[Array, "*b"], ...]
-    by_d: tuple[Float[Array, "*b"], ...]
+    t: tuple[Float[Array, "*b"], Float[Array, "*b"]]
+    weight: tuple[Float[Array, "*b"], Float[Array, "*b"]]
+    ratio: tuple[Float[Array, "*b"], Float[Array, "*b"]]
+    inverse: Float[Array, "*b"]
+    lift: tuple[Float[Array, "*b"], Float[Array, "*b"]]
+    alive: Bool[Array, "*b"]
 
 
 def integrate(
@@ -58,26 +73,82 @@ def integrate(
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _integrals(nodes: int, form: Form, gap, sign, size) -> tuple[Float[Array, "*b"], Float[Array, "*b"]]:
-    sums = _sum(form, gap, sign, size, nodes)
-    return sums.probability, sums.excess
+    path = _path(form, gap, sign, size)
+    probability = excess = jnp.zeros_like(gap)
+    alive = jnp.ones_like(gap, bool)
+    for rise, share in zip(*_nodes(nodes), strict=True):
+        node = _node(path, float(rise), float(share), alive)
+        alive = node.alive
+        probability = probability + node.weight[0]
+        excess = excess + _over(node.weight, node.t)[0]
+    scale = path.width * inverse_root(jnp.maximum(path.d, 1e-12))
+    return sign * scale * probability, scale * excess
 
 
 @_integrals.defjvp
 def _integrals_jvp(nodes, primals, tangents):
-    """Linear in the tangents with all its coefficients computed: reverse mode then costs what forward mode costs."""
+    """Linear in the tangents with all coefficients computed: reverse mode then costs what forward mode costs."""
     form, gap, sign, size = primals
     dform, dgap = tangents[:2]
-    sums = _sum(form, gap, sign, size, nodes)
-    q, d = sums.by_q, sums.by_d
+    probability, excess, density, by_d, by_q = compute_apart(
+        lambda: _sums(nodes, form, gap, sign, size), jnp.any(size >= 0)
+    )
     coefficients = dform.t1, -dform.t2, dform.t3, dform.q1, dform.q2, dform.q3
 
     def along(sums, start):
         return sum((s * c for s, c in zip(sums, coefficients, strict=True)), start=start * dgap)
 
     # D acts through −½ log D + t²Q/D, and what has 1/t² in the place of 1/t lags behind by one power.
-    probability = sign * along((*d[1:], *q[1:]), sums.density)
-    excess = along((*d[:3], *q[:3]), sign * sums.probability)
-    return (sums.probability, sums.excess), (probability, excess)
+    slope = sign * along((*by_d[1:], *by_q[1:]), density)
+    return (probability, excess), (slope, along((*by_d[:3], *by_q[:3]), sign * probability))
+
+
+def _sums(nodes: int, form: Form, gap, sign, size):
+    """Both integrals, and those with further factors: t; t^m (½ + t²Q/D)/D, m = 0 to 3; t^m/D, m = 1 to 4."""
+    path = _path(form, gap, sign, size)
+    inverse_start = reciprocal(jnp.maximum(path.d, 1e-12))
+    rises, shares = (jnp.asarray(table, gap.dtype) for table in _nodes(nodes))
+
+    def step(number, state):
+        alive, sums = state
+
+        def factors():
+            node = _node(path, rises[number], shares[number], alive)
+            square = node.inverse * node.inverse * inverse_start
+            inverse = node.ratio[0] * square, -node.ratio[1] * square
+            one = _times(node.weight, inverse)
+            lift = 0.5 + node.lift[0], node.lift[1]
+            return node.t, node.weight, node.alive, _times(one, lift), _times(one, node.t)
+
+        t, weight, alive, by_d, by_q = compute_apart(factors, number >= 0)
+        new = [weight[0], _over(weight, t)[0], _times(weight, t)[0]]
+        for factor in (by_d, by_q):
+            for _ in range(4):
+                new.append(factor[0])
+                factor = _times(factor, t)
+        return alive, tuple(old + n for old, n in zip(sums, new, strict=True))
+
+    start = jnp.ones_like(gap, bool), (jnp.zeros_like(gap),) * 11
+    sums = jax.lax.fori_loop(0, nodes, step, start)[1]
+    scale = path.width * inverse_root(jnp.maximum(path.d, 1e-12))
+    probability, excess, density, *others = (scale * each for each in sums)
+    return sign * probability, excess, density, tuple(others[:4]), tuple(others[4:])
+
+
+def _nodes(count: int) -> tuple[Float[np.ndarray, " count"], Float[np.ndarray, " count"]]:
+    """Im t in widths of the saddle at the nodes of the trapezoidal rule, and their weights."""
+    spacing = (2.2 + 0.2 * count) / count
+    u = (np.arange(count) + 0.5) * spacing
+    return np.sinh(u), np.cosh(u) * spacing / np.pi
+
+
+def _times(a, b):
+    return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
+
+
+def _over(a, t):
+    inverse = reciprocal(t[0] * t[0] + t[1] * t[1])
+    return (a[0] * t[0] + a[1] * t[1]) * inverse, (a[1] * t[0] - a[0] * t[1]) * inverse
 
 
 def _taylor(form: Form, t: Float[Array, "*b"]):
@@ -135,57 +206,39 @@ def _saddle(form: Form, gap, distance, sign) -> Float[Array, "*b"]:
     return jax.lax.stop_gradient(size)
 
 
-def _sum(form: Form, gap, sign, size, nodes: int) -> _Sums:
-    """All the sums; a compiled program computes those that it needs."""
+def _path(form: Form, gap, sign, size) -> _Path:
     start = sign * size
     d, ds, ps = _taylor(form, start)
-    width, bend, tilt = _bend(ds, ps, gap, sign, size)
-    exponent = start * gap + ps[0]
-    change = _change(ds, ps)
-    probability = excess = density = jnp.zeros_like(gap)
-    by_q, by_d = [density] * 5, [density] * 5
-    inverse_start = reciprocal(jnp.maximum(d, 1e-12))
-    alive = jnp.ones_like(gap, bool)
-    spacing = (2.2 + 0.2 * nodes) / nodes
-    for u in (np.arange(nodes) + 0.5) * spacing:
-        rise = float(np.sinh(u)) * width
-        square = bend * bend + rise * rise
-        inverse = inverse_root(square)
-        x, lean = tilt * (square * inverse - bend), tilt * rise * inverse
-        dr, di, er, ei, inverse_d = change(x, rise, gap)
-        alive = alive & (er > GONE)
-        strength = jnp.where(alive, exponential(jnp.minimum(er + exponent, 20.0)), 0.0) * inverse_d
-        # √D without a cut: on a path to the left two eigenvalues may turn D by more than a half circle.
-        half = 0.5 * ((dr * dr + di * di) * inverse_d + jnp.abs(dr))
-        inverse_half = inverse_root(half)
-        large, small = half * inverse_half, 0.5 * di * inverse_half
-        left = tilt < 0
-        root_r = jnp.where(dr >= 0, large, jnp.where(left, small, jnp.abs(small)))
-        root_i = jnp.where(dr >= 0, small, jnp.where(left | (di >= 0), large, -large))
-        turns = ei * (0.5 / np.pi)
-        sine, cosine = sincos_turns(turns - jnp.floor(turns + 0.5))
-        wave_r, wave_i = cosine * root_r + sine * root_i, sine * root_r - cosine * root_i
-        # times ds/du = i(1 − i·lean)·|ds/du|, by 1/t
-        wave_r, wave_i = wave_r + lean * wave_i, wave_i - lean * wave_r
-        strength = strength * float(np.cosh(u) * spacing / np.pi)
-        t = start + x
-        inverse_t = reciprocal(t * t + rise * rise)
-        wave_r, wave_i = wave_r * strength, wave_i * strength
-        by_t, cross = (wave_r * t + wave_i * rise) * inverse_t, (wave_i * t - wave_r * rise) * inverse_t
-        probability = probability + by_t
-        excess = excess + (by_t * t + cross * rise) * inverse_t
-        density = density + wave_r
-        inverse_d = inverse_d * inverse_d * inverse_start
-        hr, hi = 0.5 + ps[0] + er - x * gap, ei - rise * gap
-        one = (by_t * dr + cross * di) * inverse_d, (cross * dr - by_t * di) * inverse_d
-        two = one[0] * hr - one[1] * hi, one[0] * hi + one[1] * hr
-        for m in range(5):
-            by_d[m], by_q[m] = by_d[m] + two[0], by_q[m] + one[0]
-            one, two = ((r * t - i * rise, r * rise + i * t) for r, i in (one, two))
-    scale = width * inverse_root(jnp.maximum(d, 1e-12))
-    raw = density, *by_d[:4], *by_q[1:]
-    density, *others = (scale * each for each in raw)
-    return _Sums(sign * scale * probability, scale * excess, density, tuple(others[4:]), tuple(others[:4]))
+    return _Path(start, d, ds, ps, *_bend(ds, ps, gap, sign, size), gap)
+
+
+def _node(path: _Path, height, share, alive) -> _Node:
+    """The node at Im t = height·width, whose weight in the trapezoidal rule is `share`."""
+    rise = height * path.width
+    square = path.bend * path.bend + rise * rise
+    inverse = inverse_root(square)
+    x, lean = path.tilt * (square * inverse - path.bend), path.tilt * rise * inverse
+    dr, di, er, ei, inverse_d = _change(path.ds, path.ps)(x, rise, path.gap)
+    alive = alive & (er > GONE)
+    exponent = er + path.start * path.gap + path.ps[0]
+    strength = jnp.where(alive, exponential(jnp.minimum(exponent, 20.0)), 0.0) * inverse_d
+    # √D without a cut: on a path to the left two eigenvalues may turn D by more than a half circle.
+    half = 0.5 * ((dr * dr + di * di) * inverse_d + jnp.abs(dr))
+    inverse_half = inverse_root(half)
+    large, small = half * inverse_half, 0.5 * di * inverse_half
+    left = path.tilt < 0
+    root_r = jnp.where(dr >= 0, large, jnp.where(left, small, jnp.abs(small)))
+    root_i = jnp.where(dr >= 0, small, jnp.where(left | (di >= 0), large, -large))
+    turns = ei * (0.5 / np.pi)
+    sine, cosine = sincos_turns(turns - jnp.floor(turns + 0.5))
+    wave_r, wave_i = cosine * root_r + sine * root_i, sine * root_r - cosine * root_i
+    # times ds/du = i(1 − i·lean)·|ds/du|
+    strength = strength * share
+    wave = strength * (wave_r + lean * wave_i), strength * (wave_i - lean * wave_r)
+    t = path.start + x, rise
+    # Without what is linear in t of the exponent: t²Q/D itself.
+    lift = path.ps[0] + er - x * path.gap, ei - rise * path.gap
+    return _Node(t, _over(wave, t), (dr, di), inverse_d, lift, alive)
 
 
 def _bend(ds, ps, gap, sign, size):
