@@ -51,6 +51,12 @@ EXPERIMENTS = (
         "experiments.pictures.render",
     ),
     Experiment(
+        "animate",
+        "a sequence of pictures along a camera path, as PNG, GIF and MP4, and how much it flickers",
+        schema.AnimateConfig,
+        "experiments.pictures.animate",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

@@ -1,0 +1,61 @@
+"""Frames of a sequence on disk: each appears whole, and what is there is not rendered again."""
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from jaxocean.io import write_png
+
+NUMBERS = "numbers.jsonl"
+
+
+class Frames:
+    """Pictures of one sequence in a folder, and a line of numbers for each.
+
+    **Arguments:** `folder`: made if it is not there; `count`: how many frames there will be.
+    """
+
+    def __init__(self, folder: Path, count: int) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder, self.count = folder, count
+
+    def file(self, frame: int) -> Path:
+        """The picture of a frame."""
+        return self.folder / f"frame_{frame:05d}.png"
+
+    def files(self) -> list[Path]:
+        """All pictures, in order."""
+        return [self.file(frame) for frame in range(self.count)]
+
+    def numbers(self) -> dict[int, dict[str, float]]:
+        """The numbers of the frames that are there with their pictures."""
+        found: dict[int, dict[str, float]] = {}
+        kept = self.folder / NUMBERS
+        for line in kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else ():
+            try:
+                record = json.loads(line)
+            except ValueError:
+                continue  # the last line of a process that was killed
+            found[int(record["frame"])] = record
+        return {frame: found[frame] for frame in sorted(found) if self.file(frame).is_file()}
+
+    def keep(self, frame: int, code: np.ndarray, numbers: Mapping[str, float]) -> None:
+        """Store a frame: the picture first, so that numbers stand for a whole one."""
+        write_png(self.file(frame), code)
+        # A line that was cut off must not swallow this one.
+        with (self.folder / NUMBERS).open("a", encoding="utf-8") as file:
+            file.write("\n" + json.dumps({"frame": frame, **numbers}) + "\n")
+
+    def copy_to(self, folder: Path) -> list[Path]:
+        """Put the pictures into another folder too, as the same files where the disk can."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for file in self.files():
+            try:
+                os.link(file, folder / file.name)
+            except OSError:
+                shutil.copy2(file, folder / file.name)
+        return [folder / file.name for file in self.files()]
