@@ -22,16 +22,21 @@ def ocean(config: schema.SceneConfig) -> jo.Ocean:
     """The sea of a config and the light on it."""
     spectrum = _build.spectrum(config.spectrum, _build.wind(config.wind))
     sea = jo.surface.realise(spectrum, _build.cascade(config.cascade), key=jax.random.key(config.seed))
-    water = config.water
     return jo.Ocean(
         sea,
         choppiness=config.choppiness,
         threshold=config.threshold,
         breaking_wavenumber=config.breaking_wavenumber,
         sky=sky(config.sky),
-        water=optics.Water(water.chlorophyll) if water.colour is None else optics.ConstantWater(water.colour),
+        water=_water(config.water),
         foam=optics.Foam(config.foam.reflectance),
     )
+
+
+def _water(config: schema.WaterConfig) -> optics.AbstractWater:
+    if config.colour is None:
+        return optics.Water(config.chlorophyll)
+    return optics.ConstantWater(config.colour, sunlit=config.sunlit)
 
 
 def sky(config: schema.SkyConfig) -> optics.sky.AbstractSky:

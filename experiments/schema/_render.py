@@ -107,8 +107,9 @@ class WaterConfig(Section):
         0.1, unit="mg/m^3", meaning="of the water; ocean 0.03 to 1, coast more", ge=0.01, le=50
     )
     colour: Colour | None = key(
-        None, unit="-", meaning="radiance reflectance, linear red, green, blue; null: from the chlorophyll"
+        None, unit="-", meaning="reflectance, linear red, green, blue; null: from the chlorophyll"
     )
+    sunlit: bool = key(True, meaning="whether the sun lights the water of `colour`, or (false) the sky alone")
 
 
 class FoamLookConfig(Section):

@@ -1,7 +1,10 @@
 """Sequences of pictures as GIF and MP4."""
 
+import contextlib
 import os
-from collections.abc import Iterator, Sequence
+import subprocess
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +18,8 @@ COLOURS = 256
 LOOKED_AT = 8
 """So many pictures, evenly spread over a sequence, decide on its colours."""
 
-QUALITY = 8
-"""Of an MP4, from 0 to 10."""
+QUALITY = "18"
+"""Constant rate factor of an MP4: nothing is seen to be lost."""
 
 Pictures = Sequence[str | os.PathLike]
 """Files of pictures, in order."""
@@ -67,28 +70,39 @@ def write_mp4(path: str | os.PathLike, pictures: Pictures, frames_per_second: fl
     """
     _check(pictures, frames_per_second)
     try:
-        from imageio_ffmpeg import write_frames
+        from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError as problem:
         raise ImportError(
             "MP4 files need the package imageio-ffmpeg: `pip install jaxocean[video]`."
         ) from problem
-
-    # The index first, so that a browser can play what it has not read to the end.
-    options: dict[str, Any] = {"quality": QUALITY, "output_params": ["-movflags", "+faststart"]}
-    options |= {"fps": float(frames_per_second), "macro_block_size": 2}
+    ffmpeg = get_ffmpeg_exe()
 
     def write(target: Path) -> None:
-        writer = None
-        for pixels in _pixels(pictures):
-            even = np.pad(pixels, ((0, pixels.shape[0] % 2), (0, pixels.shape[1] % 2), (0, 0)), mode="edge")
-            if writer is None:
-                writer = write_frames(str(target), (even.shape[1], even.shape[0]), **options)
-                writer.send(None)
-            writer.send(np.ascontiguousarray(even))
-        if writer is not None:
-            writer.close()
+        frames = (
+            np.pad(p, [(0, side % 2) for side in p.shape[:2]] + [(0, 0)], "edge") for p in _pixels(pictures)
+        )
+        first = next(frames)
+        size = f"{first.shape[1]}x{first.shape[0]}"
+        given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", f"{frames_per_second:g}", "-i", "-"]
+        # The index first, so that a browser can play what it has not read to the end.
+        wanted = ["-c:v", "libx264", "-crf", QUALITY, "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+        _feed([ffmpeg, "-y", "-loglevel", "error", *given, *wanted, str(target)], chain([first], frames))
 
     return written_whole(Path(path), write)
+
+
+def _feed(command: list[str], frames: Iterable[np.ndarray]) -> None:
+    """Run a program that reads pictures from its input."""
+    # Not through the package's own writer: that forks the process, with all of JAX's threads.
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+        assert program.stdin is not None
+        assert program.stderr is not None
+        with contextlib.suppress(BrokenPipeError), program.stdin as stream:
+            for frame in frames:
+                stream.write(np.ascontiguousarray(frame))
+        said = program.stderr.read().decode(errors="replace")
+    if program.returncode != 0:
+        raise OSError(f"The MP4 cannot be written: {' '.join(said.split()) or 'ffmpeg failed'}.")
 
 
 def _check(pictures: Pictures, frames_per_second: float | int) -> None:

@@ -85,15 +85,19 @@ class ConstantWater(AbstractWater):
     $$ L = \\frac{R}{π} \\left( \\cos θ_S\\, E_{\\mathrm{sun}} + E_{\\mathrm{sky}} \\right) $$
 
     **Arguments:** `colour` R [-], linear sRGB (3,); by default that of Dupuy & Bruneton's scenes,
-    (11, 121, 49)/255 × 140/255.
+    (11, 121, 49)/255 × 140/255. `sunlit`: whether the sun's beam lights it; in their program only the sky does
+    (R E_sky/π), and their colours belong to that.
     """
 
     colour: Float[Array, "3"] = eqx.field(converter=as_colour, default=PAPER_COLOUR)
+    sunlit: bool = eqx.field(static=True, default=True, kw_only=True)
 
     def __check_init__(self) -> None:
         check_colour("colour", self.colour, "")
 
     def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "3"]:
+        if not self.sunlit:
+            return self.colour / math.pi * sky.irradiance()
         height = jnp.maximum(sky.sun_direction[2], 0.0)
         return self.colour / math.pi * (height * sky.sun_irradiance + sky.irradiance())
 

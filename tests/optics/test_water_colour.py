@@ -68,6 +68,17 @@ def test_the_papers_water_is_a_paint():
     np.testing.assert_allclose(got, np.array([11, 121, 49]) / 255 * 140 / 255, rtol=1e-6)
 
 
+def test_paint_is_lit_by_the_sun_unless_it_is_said_not_to_be():
+    dusk, sunny = ConstantSky(1.0), ConstantSky(1.0, sun=3.0, sun_elevation=0.5)
+    lit, papers = ConstantWater(0.4), ConstantWater(0.4, sunlit=False)
+    np.testing.assert_allclose(
+        lit.radiance(sunny, ExactFresnel()), 0.4 + 0.4 * 3 * np.sin(0.5) / np.pi, rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        papers.radiance(sunny, ExactFresnel()), papers.radiance(dusk, ExactFresnel()), rtol=1e-6
+    )
+
+
 @pytest.mark.parametrize("kind", [Water(), ConstantWater()])
 def test_water_is_dark_when_the_sun_is_down(kind):
     night = ConstantSky(0.0, sun=5.0, sun_elevation=-0.2)
