@@ -11,6 +11,7 @@ from ._exr import write_exr as write_exr
 from ._images import read_image as read_image
 from ._images import read_panorama as read_panorama
 from ._images import write_png as write_png
+from ._mesh_file import write_mesh as write_mesh
 from ._negative import AbstractNegativeCells as AbstractNegativeCells
 from ._negative import Clip as Clip
 from ._negative import ClipAndRenormalise as ClipAndRenormalise

@@ -1,5 +1,6 @@
 """Where each ray first passes below the surface: a march over the rest plane in steps that are safe."""
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -23,49 +24,59 @@ CLOSE = 1e-3
 """Distance [pixels] between ray and surface at which the bracket is narrow enough."""
 
 
+LANES = 8192
+"""Rays that are under way at once; whenever some have arrived, others take their places."""
+
+SPELL = 4
+"""Steps between two such changes."""
+
+
 class Start(NamedTuple):
     """What the march hands to Newton's method.
 
     **Arguments:** `hit`: whether the ray meets water; `x`, `y`: rest point from the point below the camera [m];
-    `depth`: along the ray [m]; `steps`: evaluations of the surface.
+    `depth`: along the ray [m]; `steps`: evaluations of the surface. Without water all are 0.
     """
 
     hit: Bool[Array, "rows columns"]
     x: Float[Array, "rows columns"]
     y: Float[Array, "rows columns"]
     depth: Float[Array, "rows columns"]
-    steps: Int[Array, ""]
+    steps: Int[Array, "rows columns"]
 
 
 class _Rays(NamedTuple):
     """Rays in their vertical planes, which all contain the vertical through the camera.
 
     **Arguments:** `east`, `north`: of the unit vector along the ground; `along` and `down`: parts of the unit vector
-    along the ray.
+    along the ray; `start`, `end`: where along the ground [m] it is between the lowest and the highest water.
     """
 
-    east: Float[Array, "rows columns"]
-    north: Float[Array, "rows columns"]
-    along: Float[Array, "rows columns"]
-    down: Float[Array, "rows columns"]
+    east: Float[Array, "*b"]
+    north: Float[Array, "*b"]
+    along: Float[Array, "*b"]
+    down: Float[Array, "*b"]
+    start: Float[Array, "*b"]
+    end: Float[Array, "*b"]
 
 
-class _State(NamedTuple):
-    """`a` and `b`: rest point along the ray's plane and across it; `low`, `high`: the bracket of a, with the clearance
-    there; `last`: which end moved last; `left`: refinements to come."""
+class _Lanes(NamedTuple):
+    """`number` of the ray; `a` and `b`: rest point along the ray's plane and across it; `low`, `high`: the bracket of
+    a, with the clearance there; `last`: which end moved last; `left`: refinements to come."""
 
-    a: Float[Array, "rows columns"]
-    b: Float[Array, "rows columns"]
-    low: Float[Array, "rows columns"]
-    clear: Float[Array, "rows columns"]
-    high: Float[Array, "rows columns"]
-    under: Float[Array, "rows columns"]
-    last: Int[Array, "rows columns"]
-    left: Int[Array, "rows columns"]
-    depth: Float[Array, "rows columns"]
-    crossed: Bool[Array, "rows columns"]
-    done: Bool[Array, "rows columns"]
-    steps: Int[Array, ""]
+    number: Int[Array, " lane"]
+    a: Float[Array, " lane"]
+    b: Float[Array, " lane"]
+    low: Float[Array, " lane"]
+    clear: Float[Array, " lane"]
+    high: Float[Array, " lane"]
+    under: Float[Array, " lane"]
+    last: Int[Array, " lane"]
+    left: Int[Array, " lane"]
+    depth: Float[Array, " lane"]
+    crossed: Bool[Array, " lane"]
+    done: Bool[Array, " lane"]
+    steps: Int[Array, " lane"]
 
 
 def first_crossing(
@@ -84,114 +95,137 @@ def first_crossing(
 
     $$ G(a) = c\\,(h - z(a)) - s\\,x(a), \\qquad |G'| ≤ s\\,(1 + |∇u|) + c\\,|∇η| $$
 
-    is positive before the first crossing, and |G| over the bound is a step that cannot pass a zero. Where it is shorter
-    than `least_step` widths of the filter, that is taken instead: so the tip of a crest can be missed only if it is
-    narrower than this, less than which no wave in the filtered surface is. The bound takes the line as straight.
+    is positive before the first crossing, and |G| over the right side is a step that cannot pass a zero, as far as the
+    gradients are bounded by `Steepness` and the line is straight. Where such a step is shorter than `least_step` widths
+    of the filter, that is taken instead: the tip of a crest can be missed only if it is narrower than this.
     """
-    flat = safe_norm(rays[..., 0], rays[..., 1])
+    shape = rays.shape[:-1]
+    plane = _in_planes(rays.reshape(-1, 3), surface, bounds, height)
+    count = plane.start.size
+    lanes = min(LANES, count)
+    wanted = jnp.isfinite(plane.start)
+    queue = jnp.nonzero(wanted, size=count + lanes, fill_value=count)[0].astype(jnp.int32)
+
+    def spell(state: tuple[Int[Array, ""], _Lanes, Start]) -> tuple[Int[Array, ""], _Lanes, Start]:
+        taken, lane, found = state
+        own = jax.tree.map(lambda each: each.at[lane.number].get(mode="clip"), plane)
+        step = partial(_step, surface, steepness, height, least_step, own)
+        lane = jax.lax.fori_loop(0, SPELL, lambda _, each: step(each), lane)
+        arrived = jnp.where(lane.done, lane.number, count)
+        x, y = _at_rest(own, lane.a, lane.b)
+        found = jax.tree.map(
+            lambda all_, new: all_.at[arrived].set(new, mode="drop"),
+            found,
+            Start(lane.crossed, x, y, lane.depth, lane.steps),
+        )
+        return *_refilled(taken, lane, queue, plane), found
+
+    zero = jnp.zeros_like(plane.start)
+    nothing = Start(zero > 0, zero, zero, zero, zero.astype(jnp.int32))
+    begin = jnp.int32(lanes), _new_lanes(queue[:lanes], plane)
+    found = jax.lax.while_loop(lambda s: jnp.any(s[1].number < count), spell, (*begin, nothing))[2]
+    return jax.tree.map(lambda each: each.reshape(shape), found)
+
+
+def _in_planes(rays: Float[Array, "ray 3"], surface: RaySurface, bounds: Bounds, height: Scalar) -> _Rays:
+    flat = safe_norm(rays[:, 0], rays[:, 1])
     upright = flat < 1e-6
     length = jnp.where(upright, 1.0, flat)
-    plane = _Rays(
-        jnp.where(upright, 1.0, rays[..., 0] / length),
-        jnp.where(upright, 0.0, rays[..., 1] / length),
-        flat,
-        -rays[..., 2],
+    east, north = jnp.where(upright, 1.0, rays[:, 0] / length), jnp.where(upright, 0.0, rays[:, 1] / length)
+    start, end = _stretch(flat, -rays[:, 2], bounds, height, surface.curvature)
+    last_width = jnp.sqrt(12 * surface.variance(end * east, end * north))
+    return _Rays(
+        east, north, flat, -rays[:, 2], start - bounds.displacement, end + bounds.displacement + last_width
     )
-    start, end = _stretch(plane, bounds, height, surface.curvature)
-    missed = ~jnp.isfinite(start)
-    start, end = jnp.where(missed, 0.0, start) - bounds.displacement, jnp.where(missed, 0.0, end)
-    last_width = jnp.sqrt(12 * surface.variance(end * plane.east, end * plane.north))
-    end = end + bounds.displacement + last_width
 
-    def step(state: _State) -> _State:
-        x = state.a * plane.east - state.b * plane.north
-        y = state.a * plane.north + state.b * plane.east
-        variance = surface.variance(x, y)
-        px, py, pz = surface(x, y, variance)
-        forward, aside = px * plane.east + py * plane.north, py * plane.east - px * plane.north
-        fall = height - pz
-        clearance = plane.along * fall - plane.down * forward
-        depth = plane.along * forward + plane.down * fall
-        below = (clearance <= 0) & (depth > 0)
-        moved, raised = steepness(variance)
-        # On a round planet the ray's angle is that to the local horizontal.
-        turn = surface.curvature * state.a
-        dive = jnp.abs(plane.down * jnp.cos(turn) - plane.along * jnp.sin(turn))
-        safe = jnp.abs(clearance) / (dive * (1 + moved) + raised + 1e-12)
-        ahead = state.a + jnp.maximum(safe, least_step * jnp.sqrt(12 * variance))
-        return _advanced(state, clearance, depth, below, ahead, end, aside, surface.angle)
 
+def _new_lanes(number: Int[Array, " lane"], plane: _Rays) -> _Lanes:
+    start, end = (each.at[number].get(mode="clip") for each in (plane.start, plane.end))
     zero = jnp.zeros_like(start)
-    none = jnp.zeros(start.shape, jnp.int32)
-    state = _State(
-        start, zero, start, zero, end, zero, none, none + REFINEMENTS, zero, zero > 0, missed, jnp.int32(0)
+    none = jnp.zeros_like(number)
+    idle = number >= plane.start.size
+    return _Lanes(
+        number, start, zero, start, zero, end, zero, none, none + REFINEMENTS, zero, zero > 0, idle, none
     )
-    state = jax.lax.while_loop(lambda s: ~jnp.all(s.done) & (s.steps < MOST_STEPS), step, state)
-    x = state.a * plane.east - state.b * plane.north
-    y = state.a * plane.north + state.b * plane.east
-    return Start(state.crossed & ~missed, x, y, state.depth, state.steps)
 
 
-def _advanced(state: _State, clearance, depth, below, ahead, end, aside, angle) -> _State:
+def _refilled(
+    taken: Int[Array, ""], lane: _Lanes, queue: Int[Array, " ray"], plane: _Rays
+) -> tuple[Int[Array, ""], _Lanes]:
+    """The lanes with the next rays of the queue where others have arrived."""
+    place = taken + jnp.cumsum(lane.done.astype(jnp.int32)) - 1
+    fresh = _new_lanes(queue.at[place].get(mode="clip"), plane)
+    number = jnp.sum(lane.done, dtype=jnp.int32)
+    return taken + number, jax.tree.map(lambda new, old: jnp.where(lane.done, new, old), fresh, lane)
+
+
+def _at_rest(rays: _Rays, a: Float[Array, " lane"], b: Float[Array, " lane"]):
+    return a * rays.east - b * rays.north, a * rays.north + b * rays.east
+
+
+def _step(
+    surface: RaySurface, steepness: Steepness, height: Scalar, least_step: float, rays: _Rays, lane: _Lanes
+) -> _Lanes:
     """One step of the march, or of false position once there is a bracket."""
-    crossed = state.crossed | below
-    low = jnp.where(below, state.low, state.a)
-    high = jnp.where(below, state.a, state.high)
+    x, y = _at_rest(rays, lane.a, lane.b)
+    variance = surface.variance(x, y)
+    px, py, pz = surface(x, y, variance)
+    forward, aside = px * rays.east + py * rays.north, py * rays.east - px * rays.north
+    fall = height - pz
+    clearance = rays.along * fall - rays.down * forward
+    depth = rays.along * forward + rays.down * fall
+    below = (clearance <= 0) & (depth > 0)
+    moved, raised = steepness(variance)
+    # On a round planet the ray's angle is that to the local horizontal.
+    turn = surface.curvature * lane.a
+    dive = jnp.abs(rays.down * jnp.cos(turn) - rays.along * jnp.sin(turn))
+    safe = jnp.abs(clearance) / (dive * (1 + moved) + raised + 1e-12)
+    ahead = jnp.minimum(lane.a + jnp.maximum(safe, least_step * jnp.sqrt(12 * variance)), rays.end)
+
+    crossed = lane.crossed | below
+    low, high = jnp.where(below, lane.low, lane.a), jnp.where(below, lane.a, lane.high)
     # Behind the camera the clearance means nothing but "before".
-    clear = jnp.where(below, state.clear, jnp.maximum(clearance, 1e-30))
-    under = jnp.where(below, clearance, state.under)
-    # Illinois: the end that stays for the second time counts half.
-    refining = state.crossed
-    clear = jnp.where(refining & below & (state.last == 1), 0.5 * clear, clear)
-    under = jnp.where(refining & ~below & (state.last == -1), 0.5 * under, under)
-    last = jnp.where(refining, jnp.where(below, 1, -1), 0).astype(jnp.int32)
-    left = state.left - crossed.astype(jnp.int32)
+    clear = jnp.where(below, lane.clear, jnp.maximum(clearance, 1e-30))
+    under = jnp.where(below, clearance, lane.under)
+    # Illinois: an end that stays for the second time counts half.
+    clear = jnp.where(lane.crossed & below & (lane.last == 1), 0.5 * clear, clear)
+    under = jnp.where(lane.crossed & ~below & (lane.last == -1), 0.5 * under, under)
+    last = jnp.where(lane.crossed, jnp.where(below, 1, -1), 0).astype(jnp.int32)
+    left = lane.left - crossed.astype(jnp.int32)
     share = clear / jnp.maximum(clear - under, 1e-30)
     inside = low + (high - low) * jnp.clip(share, 0.02, 0.98)
-    close = crossed & ((jnp.abs(clearance) < CLOSE * angle * depth) & (depth > 0) | (left <= 0))
-    finished = close | (~crossed & (state.a >= end))
-    following = jnp.where(crossed, inside, jnp.minimum(ahead, end))
-
-    def kept(new, old):
-        return jnp.where(state.done, old, new)
-
-    return _State(
-        kept(jnp.where(finished, state.a, following), state.a),
-        kept(state.b - aside, state.b),
-        kept(low, state.low),
-        kept(clear, state.clear),
-        kept(high, state.high),
-        kept(under, state.under),
-        kept(last, state.last),
-        kept(left, state.left),
-        kept(depth, state.depth),
-        kept(crossed, state.crossed),
-        state.done | finished,
-        state.steps + 1,
+    near = (jnp.abs(clearance) < CLOSE * surface.angle * depth) & (depth > 0)
+    steps = lane.steps + 1
+    finished = (crossed & (near | (left <= 0))) | (~crossed & ((lane.a >= rays.end) | (steps >= MOST_STEPS)))
+    a = jnp.where(finished, lane.a, jnp.where(crossed, inside, ahead))
+    new = _Lanes(
+        lane.number, a, lane.b - aside, low, clear, high, under, last, left, depth, crossed, finished, steps
     )
+    return jax.tree.map(lambda old, new: jnp.where(lane.done, old, new), lane, new)
 
 
 def _stretch(
-    rays: _Rays, bounds: Bounds, height: Scalar, curvature: Scalar
-) -> tuple[Float[Array, "rows columns"], Float[Array, "rows columns"]]:
-    """From where to where along the ground [m] each ray is between the lowest and the highest water."""
+    along: Float[Array, " ray"], down: Float[Array, " ray"], bounds: Bounds, height: Scalar, curvature: Scalar
+) -> tuple[Float[Array, " ray"], Float[Array, " ray"]]:
+    """From where to where along the ground [m] each ray is between the lowest and the highest water; from infinity on
+    if never."""
     round_planet = curvature > 0
     kappa = jnp.where(round_planet, curvature, 1.0)
 
     def roots(level: Scalar):
         """Depths at which the ray enters and leaves the sphere of this height, and whether it does."""
-        slant = -(1 + curvature * height) * rays.down
+        slant = -(1 + curvature * height) * down
         rest = (height - level) * (2 + curvature * (height + level))
         square = slant**2 - curvature * rest
         root = jnp.sqrt(jnp.maximum(square, 0.0))
         enters = rest / jnp.maximum(root - slant, 1e-30)
         up = -rest / jnp.maximum(root + slant, 1e-30)
         leaves = jnp.where(round_planet & (rest > 0), (root - slant) / kappa, up)
-        return enters, leaves, (square >= 0) & (rest > 0) & (rays.down > 0), rest
+        return enters, leaves, (square >= 0) & (rest > 0) & (down > 0), rest
 
     def ground(depth):
-        flat = depth * rays.along
-        turn = jnp.arctan2(curvature * flat, 1 + curvature * (height - depth * rays.down))
+        flat = depth * along
+        turn = jnp.arctan2(curvature * flat, 1 + curvature * (height - depth * down))
         return jnp.where(round_planet & (jnp.abs(turn) > 1e-3), turn / kappa, flat)
 
     top, bottom = roots(bounds.highest), roots(bounds.lowest)

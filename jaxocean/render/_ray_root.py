@@ -13,7 +13,7 @@ from ._ray_surface import RaySurface
 
 Triple = tuple[Float[Array, "rows columns"], Float[Array, "rows columns"], Float[Array, "rows columns"]]
 
-STEPS = 4
+STEPS = 2
 """Newton steps from a start within a thousandth of a pixel."""
 
 EDGE_ON = 0.02

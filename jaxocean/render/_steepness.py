@@ -13,13 +13,15 @@ STEPS_PER_OCTAVE = 4
 
 
 class Steepness(eqx.Module):
-    """Upper bounds of the gradients of displacement and height, as functions of the filter's variance.
+    """The steepest gradients of displacement and height, as functions of the filter's variance.
 
-    Between texels the look-ups are bilinear, so that their gradient never exceeds the largest difference between
-    neighbouring texels; the means of a coarser level differ by less than those of the finer one. Patterns add. What
-    the change of the filter itself from place to place contributes is left out.
+    Between texels the look-ups are bilinear, so that the gradient of a pattern never exceeds the largest difference
+    between its neighbouring texels; the means of a coarser level differ by less than those of the finer one. Of the sum
+    of the patterns the root of the sum of their squares is taken: patterns are independent, so that the steepest of as
+    many places as a pattern has texels is as steep as that. It may be exceeded, unlike the sum of the maxima, which is
+    never reached in practice. What the change of the filter from place to place adds is left out.
 
-    **Arguments:** `table`: bounds of |∇(u, v)| and |∇η| [-] at equal steps of log2 of the variance, from `first` on.
+    **Arguments:** `table`: largest |∇(u, v)| and |∇η| [-] at equal steps of log2 of the variance, from `first` on.
     """
 
     first: float = eqx.field(static=True)
@@ -40,11 +42,11 @@ class Steepness(eqx.Module):
             levels = range(len(Levels(atlas.resolution).counts))
             steepest = jnp.stack([_steepest(atlas, number, pattern) for number in levels], axis=-1)
             level, share = level_of(variance / float(sample) ** 2, atlas.resolution)
-            table = table + steepest[:, level] * (1 - share) + steepest[:, level + 1] * share
-        return cls(first, table)
+            table = table + jnp.square(steepest[:, level] * (1 - share) + steepest[:, level + 1] * share)
+        return cls(first, jnp.sqrt(table))
 
     def __call__(self, variance: Float[Array, "*b"]) -> tuple[Float[Array, "*b"], Float[Array, "*b"]]:
-        """Bounds of |∇(u, v)| and |∇η| [-] for filters with at least this variance [m²] along each axis."""
+        """The largest |∇(u, v)| and |∇η| [-] for filters with at least this variance [m²] along each axis."""
         place = (jnp.log2(jnp.maximum(variance, 2.0**self.first)) - self.first) * STEPS_PER_OCTAVE
         node = jnp.clip(place, 0, self.table.shape[1] - 1).astype(jnp.int32)
         moved, raised = (row.at[node].get(mode="promise_in_bounds") for row in self.table)
