@@ -27,18 +27,23 @@ class SurfaceMoments(eqx.Module):
     Made for images: five textures, read once. `jaxocean.filtering.MomentPyramid` is slower and takes second moments
     from the very place that is looked at.
 
-    **Arguments:** `atlas` of (a, b, c, ∂η/∂x, ∂η/∂y); `residual`: what it leaves out.
+    **Arguments:** `atlas` of (a, b, c, ∂η/∂x, ∂η/∂y); `residual`: what it leaves out; `short`: (a, b, c) of the waves
+    that the breaking wavenumber keeps from the strain, if there is one: the surface is deformed by all of them.
     """
 
     atlas: Atlas
     residual: Residual
+    short: Atlas | None = None
 
     @classmethod
     def from_fields(cls, fields: Fields, cascade: Cascade) -> "SurfaceMoments":
         """The textures of a sea's fields at one time."""
         channels = jnp.concatenate([fields.strain, fields.slope], axis=-1)
         atlas = Atlas.from_channels(jnp.moveaxis(channels, -1, 0), cascade.sizes)
-        return cls(atlas, Residual.of_atlas(atlas))
+        short = fields.short_strain
+        if short is not None:
+            short = Atlas.from_channels(jnp.moveaxis(short, -1, 0), cascade.sizes)
+        return cls(atlas, Residual.of_atlas(atlas), short)
 
     def __call__(
         self,
@@ -50,20 +55,42 @@ class SurfaceMoments(eqx.Module):
         """Moments on the rest plane at centre + (x, y) [m] under filters with this variance [m²] along each axis."""
         means = self.atlas(centre, x, y, variance)
         spread = self.residual(variance)
-        return Seen(means[3:], spread[6:], means[:3], spread[:6])
+        return Seen(
+            means[3:], spread[6:], means[:3], spread[:6], self._deformation(means[:3], centre, x, y, variance)
+        )
+
+    def tangents(
+        self,
+        centre: Float[Array, "2"],
+        x: Float[Array, "*b"],
+        y: Float[Array, "*b"],
+        variance: Float[Array, "*b"],
+    ) -> tuple[Float[Array, "*b"], ...]:
+        """Means of (a, b, c) of all waves, and of ∂η/∂(x, y), at the same points."""
+        means = self.atlas(centre, x, y, variance)
+        return *self._deformation(means[:3], centre, x, y, variance), *means[3:]
+
+    def _deformation(self, strain, centre, x, y, variance) -> tuple[Float[Array, "*b"], ...]:
+        if self.short is None:
+            return strain
+        return tuple(
+            long + short for long, short in zip(strain, self.short(centre, x, y, variance), strict=True)
+        )
 
 
 class Seen(NamedTuple):
     """Footprint moments, one array for each number: XLA on the CPU is slow with short last axes.
 
     **Arguments:** `slope` ∂η/∂(x, y); `slopes`: their covariances xx, yy, xy; `strain` (a, b, c); `strains`: their
-    covariances aa, bb, cc, ab, bc, ca.
+    covariances aa, bb, cc, ab, bc, ca; `deformation`: (a, b, c) of all waves, where `strain` is that of the waves which
+    foam sees.
     """
 
     slope: tuple[Float[Array, "*b"], ...]
     slopes: tuple[Float[Array, "*b"], ...]
     strain: tuple[Float[Array, "*b"], ...]
     strains: tuple[Float[Array, "*b"], ...]
+    deformation: tuple[Float[Array, "*b"], ...]
 
 
 def displaced(seen: Seen) -> Seen:
@@ -71,10 +98,10 @@ def displaced(seen: Seen) -> Seen:
 
     $$ s = M^{-1} ∇η, \\quad Σ_s = M^{-1} Σ M^{-1}, \\quad M = 1 + \\begin{pmatrix} a & c \\\\ c & b \\end{pmatrix} $$
 
-    with the footprint's mean strain. Where the surface stands upright, j = 0, slopes have no bound: 1/j is replaced by
-    j/(j² + δ²) with δ = 0.1.
+    with the footprint's mean deformation. Where the surface stands upright, j = 0, slopes have no bound: 1/j is
+    replaced by j/(j² + δ²) with δ = 0.1.
     """
-    a, b, c = seen.strain
+    a, b, c = seen.deformation
     j = (1 + a) * (1 + b) - c * c
     inverse = j / (j * j + STEEPEST**2)
     xx, yy, xy = (1 + b) * inverse, (1 + a) * inverse, -c * inverse

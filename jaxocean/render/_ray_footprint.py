@@ -34,7 +34,7 @@ def footprint_axes(
     right, up, forward = camera.axes()
     across, focal = rays @ forward, camera.focal_length(size)
     through, ahead = rays / across[..., None], depth * across
-    a, b, c, east, north = moments.atlas(surface.centre, x, y, surface.variance(x, y))
+    a, b, c, east, north = moments.tangents(surface.centre, x, y, surface.variance(x, y))
     first = _tangent(surface, x, y, (1 + a, c), east)
     second = _tangent(surface, x, y, (c, 1 + b), north)
     normal = jnp.cross(first, second)

@@ -100,6 +100,13 @@ def test_breaking_wavenumber_filters_the_strain_and_not_the_slope(sea):
         np.testing.assert_allclose(power[pattern][k <= 1.5], whole[k <= 1.5], atol=1e-15)
 
 
+def test_what_the_low_pass_takes_from_the_strain_is_kept_apart(sea):
+    whole, low = sea.fields(1.0), sea.fields(1.0, 1.0, 0.5)
+    assert whole.short_strain is None
+    assert np.std(low.short_strain) > 0.1 * np.std(whole.strain)
+    np.testing.assert_allclose(low.strain + low.short_strain, whole.strain, atol=1e-12)
+
+
 def test_wrong_arguments_are_refused_with_a_reason(sea):
     with pytest.raises(ValueError, match="one for each of the 2 patterns, but has shape \\(3,\\)"):
         sea.fields(1.0, (1.0, 1.0, 1.0))

@@ -22,7 +22,7 @@ class Fields(eqx.Module):
     """Height, displacement, slope and strain of every pattern at the samples of its rest plane.
 
     Indexed [pattern, y, x]. The transform leaves two real fields in each complex plane; the properties unpack
-    them, and under `jit` only what is used is unpacked.
+    them, and under `jit` only what is used is unpacked. There are four planes, and two more with a low-pass.
     """
 
     packed: Complex[Array, "*b pattern plane y x"]
@@ -46,6 +46,16 @@ class Fields(eqx.Module):
     def strain(self) -> Float[Array, "*b pattern y x 3"]:
         """Strain (a, b, c) = λ(∂u/∂x, ∂v/∂y, ∂u/∂y) [-], low-passed at the breaking wavenumber."""
         return jnp.stack([self._plane(2).real, self._plane(3).real, self._plane(1).real], axis=-1)
+
+    @property
+    def short_strain(self) -> Float[Array, "*b pattern y x 3"] | None:
+        """What the low-pass took from the strain [-]: their sum is how the surface itself is deformed.
+
+        None if there was no low-pass.
+        """
+        if self.packed.shape[-3] == 4:
+            return None
+        return jnp.stack([self._plane(4).real, self._plane(4).imag, self._plane(5).real], axis=-1)
 
     def _plane(self, number: int) -> Complex[Array, "*b pattern y x"]:
         return self.packed[..., number, :, :]
@@ -121,7 +131,7 @@ def _pack(
     """Spectra of pairs of fields, (η, u), (c, v), (a, ∂η/∂x) and (b, ∂η/∂y).
 
     An even field f and an odd field g share one complex transform of F̂ + iĜ. Since ĝ is i times a real
-    factor of ĥ, F̂ + iĜ is ĥ times a real number.
+    factor of ĥ, F̂ + iĜ is ĥ times a real number. With a low-pass (a, b) and c of what it takes away, all even.
     """
 
     def evolve() -> tuple[Complex[Array, "pattern y x"], Filters]:
@@ -134,7 +144,14 @@ def _pack(
     height_u, c_v, a_x, b_y = cascade.resolution**2 * jnp.eye(4, dtype=kx.dtype)[..., None, None]
     along_x = inverse * height_u + strain * (kx * a_x + ky * c_v) + a_x
     along_y = inverse * c_v + strain * (ky * b_y) + b_y
-    return scale(spectrum[:, None], height_u - kx * along_x - ky * along_y)
+    planes = scale(spectrum[:, None], height_u - kx * along_x - ky * along_y)
+    if breaking_wavenumber is None:
+        return planes
+    short = -(cascade.resolution**2) * (inverse - strain)
+    factors = jnp.concatenate(
+        [jax.lax.complex(kx * kx * short, ky * ky * short), (kx * ky * short).astype(spectrum.dtype)], axis=1
+    )
+    return jnp.concatenate([planes, spectrum[:, None] * factors], axis=1)
 
 
 @partial(jax.jit, static_argnums=0)
