@@ -57,6 +57,12 @@ EXPERIMENTS = (
         "experiments.pictures.animate",
     ),
     Experiment(
+        "flyover",
+        "the camera climbs from metres to kilometres: time per frame against footprint, and whitecaps seen",
+        schema.FlyoverConfig,
+        "experiments.pictures.flyover",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

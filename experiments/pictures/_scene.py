@@ -41,18 +41,29 @@ def _water(config: schema.WaterConfig) -> optics.AbstractWater:
 
 def sky(config: schema.SkyConfig) -> optics.sky.AbstractSky:
     """The sky of a config."""
-    sun = (config.sun_elevation, config.sun_azimuth)
+    up, around = config.sun_elevation, config.sun_azimuth
     match config:
         case schema.ClearSkyConfig():
-            return optics.sky.HosekWilkie(config.turbidity, config.albedo, *sun)
+            return optics.sky.HosekWilkie(
+                config.turbidity, config.albedo, sun_elevation=up, sun_azimuth=around
+            )
         case schema.EvenSkyConfig():
-            return optics.sky.ConstantSky(config.radiance, config.sun, *sun)
+            return optics.sky.ConstantSky(
+                config.radiance, sun=config.sun, sun_elevation=up, sun_azimuth=around
+            )
         case schema.PanoramaSkyConfig():
             try:
                 read = read_panorama(config.file)
             except (OSError, ValueError) as problem:
                 raise UserError(f"Key `sky.file`: {problem}") from problem
-            return optics.sky.ImageSky(read.image, config.rotation, config.scale, config.sun, *sun)
+            return optics.sky.ImageSky(
+                read.image,
+                config.rotation,
+                config.scale,
+                sun=config.sun,
+                sun_elevation=up,
+                sun_azimuth=around,
+            )
 
 
 def camera(config: schema.CameraConfig) -> render.Camera:
