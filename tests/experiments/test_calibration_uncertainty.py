@@ -2,14 +2,12 @@
 
 import json
 
-import equinox as eqx
 import numpy as np
 import pytest
 import xarray as xr
+from _cheap import gaussian_closure
 from PIL import Image
 
-import jaxocean as jo
-from experiments.common import _calibrated_sea
 from experiments.harness._errors import UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
@@ -31,13 +29,7 @@ SMALL = [
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     """A finished run. The Gaussian closure compiles in a third of the time; everything else is the same."""
-    exact = _calibrated_sea.model
-
-    def gaussian(config):
-        return eqx.tree_at(lambda m: m.closure, exact(config), jo.whitecaps.GaussianClosure(config.measure))
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(_calibrated_sea, "model", gaussian)
+    with gaussian_closure():
         folder = tmp_path_factory.mktemp("runs")
         return execute(load("calibration_uncertainty", [*SMALL, f"output={folder}"]))
 

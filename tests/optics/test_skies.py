@@ -134,7 +134,8 @@ def test_lobes_damp_harmonics_like_diffusion_on_the_sphere():
 def test_a_lobe_of_no_width_is_the_radiance_and_the_widest_lobes_stay_finite():
     sky = ImageSky(np.random.default_rng(5).uniform(size=(16, 32, 3)))
     around = jnp.asarray(directions(40))
-    np.testing.assert_array_equal(look_wide(sky, around, jnp.zeros(40)), look(sky, around))
+    # To rounding, as the compiler may order the sums of two programs differently.
+    np.testing.assert_allclose(look_wide(sky, around, jnp.zeros(40)), look(sky, around), rtol=1e-14)
     widest = look_wide(sky, around, jnp.full(40, VARIANCES[-1]))
     np.testing.assert_array_equal(look_wide(sky, around, jnp.full(40, 50.0)), widest)
 

@@ -1,13 +1,55 @@
-"""The checks that both clear skies share."""
+"""What both forms of the clear sky share."""
 
 import math
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ..._numerics import check_scalar, is_concrete
+from ..._types import Scalar
+from .._colour import XYZ_TO_SRGB, matching_weights
+from ._abstract import AbstractSky
+from ._beam import beam_irradiance
+from ._blur import ROWS
+from ._lobes import lobe_mean
+from ._panorama import pixel_directions
+from ._quadrature import dome_irradiance
+from ._sun import direction_of
+from ._tables import WAVELENGTHS
+
+
+class AbstractClearSky(AbstractSky):
+    """A clear sky whose sun is the spectral beam through the air, whatever its dome is made of."""
+
+    turbidity: eqx.AbstractVar[Scalar]
+    albedo: eqx.AbstractVar[Float[Array, "..."]]
+    sun_elevation: eqx.AbstractVar[Scalar]
+    sun_azimuth: eqx.AbstractVar[Scalar]
+
+    @property
+    def sun_direction(self) -> Float[Array, "3"]:
+        return direction_of(self.sun_elevation, self.sun_azimuth)
+
+    @property
+    def sun_irradiance(self) -> Float[Array, "3"]:
+        return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
+
+    def lobe_radiance(
+        self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
+    ) -> Float[Array, "*b 3"]:
+        panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
+        return lobe_mean(self.radiance(direction), panorama, direction, variance)
+
+    def irradiance(self) -> Float[Array, "3"]:
+        return dome_irradiance(self.radiance, self.sun_azimuth)
+
+
+def to_srgb(spectrum: Float[Array, "*b 11"]) -> Float[Array, "*b 3"]:
+    """Linear sRGB of spectra at the model's eleven wavelengths."""
+    return spectrum @ jnp.asarray(matching_weights(WAVELENGTHS) @ XYZ_TO_SRGB.T, spectrum.dtype)
 
 
 def check_clear(

@@ -6,17 +6,10 @@ from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf
 from ..._types import Scalar
-from ._abstract import AbstractSky
-from ._beam import beam_irradiance, disc_radiance
-from ._blur import ROWS
-from ._clear import check_clear
+from ._beam import disc_radiance
+from ._clear import AbstractClearSky, check_clear, to_srgb
 from ._colour_leaf import as_colour
 from ._dome import coefficients, dome_radiance
-from ._lobes import lobe_mean
-from ._panorama import pixel_directions
-from ._quadrature import dome_irradiance
-from ._spectral_hosek_wilkie import to_srgb
-from ._sun import direction_of
 from ._tables import WAVELENGTHS, tables
 from ._twilight import twilight
 
@@ -24,7 +17,7 @@ NORMALISATION = 1.0 / 106.7502594
 """Brings the RGB tables to the unit of radiance: 1 / ∫ȳ dλ [1/nm], the figure that mitsuba 3 divides by."""
 
 
-class HosekWilkie(AbstractSky):
+class HosekWilkie(AbstractClearSky):
     """The clear sky as a fit to a simulation of the scattering in the air, and the sun's beam through the same air.
 
     The dome is the model's own fit for linear sRGB. The sun is its spectral fit, integrated over the disc and then
@@ -56,14 +49,6 @@ class HosekWilkie(AbstractSky):
     def __check_init__(self) -> None:
         check_clear(self.turbidity, self.albedo, (3,), self.sun_elevation, self.sun_azimuth)
 
-    @property
-    def sun_direction(self) -> Float[Array, "3"]:
-        return direction_of(self.sun_elevation, self.sun_azimuth)
-
-    @property
-    def sun_irradiance(self) -> Float[Array, "3"]:
-        return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
-
     def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         """As in `AbstractSky`, with limb darkening."""
         sun = (self.turbidity, self.sun_elevation, self.sun_azimuth)
@@ -75,12 +60,3 @@ class HosekWilkie(AbstractSky):
         factor = coefficients(tables()["rgb_radiance"], *given)
         factor = NORMALISATION * twilight(self.sun_elevation).astype(factor.dtype) * factor
         return dome_radiance(direction, self.sun_direction, shape, factor)
-
-    def lobe_radiance(
-        self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
-    ) -> Float[Array, "*b 3"]:
-        panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
-        return lobe_mean(self.radiance(direction), panorama, direction, variance)
-
-    def irradiance(self) -> Float[Array, "3"]:
-        return dome_irradiance(self.radiance, self.sun_azimuth)

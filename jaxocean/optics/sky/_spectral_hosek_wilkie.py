@@ -7,16 +7,9 @@ from jaxtyping import Array, Float
 
 from ..._numerics import as_leaf
 from ..._types import PerPattern, Scalar
-from .._colour import XYZ_TO_SRGB, matching_weights
-from ._abstract import AbstractSky
 from ._beam import beam_irradiance, disc_radiance
-from ._blur import ROWS
-from ._clear import check_clear
+from ._clear import AbstractClearSky, check_clear, to_srgb
 from ._dome import coefficients, dome_radiance
-from ._lobes import lobe_mean
-from ._panorama import pixel_directions
-from ._quadrature import dome_irradiance
-from ._sun import direction_of
 from ._tables import WAVELENGTHS, tables
 from ._twilight import twilight
 
@@ -26,7 +19,7 @@ def _albedo(value: PerPattern) -> Float[Array, "..."]:
     return jnp.broadcast_to(leaf, WAVELENGTHS.shape) if leaf.ndim == 0 else leaf
 
 
-class SpectralHosekWilkie(AbstractSky):
+class SpectralHosekWilkie(AbstractClearSky):
     """The model of `HosekWilkie` at eleven wavelengths, 320, 360, … 720 nm, for what depends on the wavelength.
 
     As an `AbstractSky` it answers in linear sRGB, through the CIE 1931 observer; `HosekWilkie` is cheaper and within
@@ -64,29 +57,12 @@ class SpectralHosekWilkie(AbstractSky):
         """Radiance [W m⁻² sr⁻¹ nm⁻¹] of the sun's disc with limb darkening; 0 beside it and below the horizon."""
         return _at(self._disc(direction), wavelength)
 
-    @property
-    def sun_direction(self) -> Float[Array, "3"]:
-        return direction_of(self.sun_elevation, self.sun_azimuth)
-
-    @property
-    def sun_irradiance(self) -> Float[Array, "3"]:
-        return to_srgb(beam_irradiance(self.turbidity, self.sun_elevation))
-
     def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         """As in `AbstractSky`, with limb darkening."""
         return to_srgb(self._disc(direction))
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
         return to_srgb(self._dome(direction))
-
-    def lobe_radiance(
-        self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
-    ) -> Float[Array, "*b 3"]:
-        panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
-        return lobe_mean(self.radiance(direction), panorama, direction, variance)
-
-    def irradiance(self) -> Float[Array, "3"]:
-        return dome_irradiance(self.radiance, self.sun_azimuth)
 
     def _disc(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 11"]:
         sun = (self.turbidity, self.sun_elevation, self.sun_azimuth)
@@ -98,11 +74,6 @@ class SpectralHosekWilkie(AbstractSky):
         factor = coefficients(tables()["spectral_radiance"], *given)
         factor = twilight(self.sun_elevation).astype(factor.dtype) * factor
         return dome_radiance(direction, self.sun_direction, shape, factor)
-
-
-def to_srgb(spectrum: Float[Array, "*b 11"]) -> Float[Array, "*b 3"]:
-    """Linear sRGB of spectra at the model's eleven wavelengths."""
-    return spectrum @ jnp.asarray(matching_weights(WAVELENGTHS) @ XYZ_TO_SRGB.T, spectrum.dtype)
 
 
 def _at(spectrum: Float[Array, "*b 11"], wavelength: Float[Array, "w"]) -> Float[Array, "*b w"]:
