@@ -19,7 +19,7 @@ def report(store: Files, view: View) -> Result:
     """Result, tables, and `report.md`."""
     tables = (_law_table(view), _band_table(view))
     answer = [_threshold_words(view), _coverage_words(view), _shape_words(view), *_active_words(view)]
-    notes = [*answer, *view.free.skipped, *_fit_warnings(view), *_calibrated_sea.unresolved(view.config)]
+    notes = [*answer, *view.free.skipped, *_fit_warnings(view), *_calibrated_sea.limits(view.config)]
     setting = (
         f"{_calibrated_sea.named(view.config)}; σ = {view.config.scatter:g} of log10 W at each of "
         f"{view.free.speeds.size} winds from {view.free.speeds[0]:g} to {view.free.speeds[-1]:g} m/s, each law in its "

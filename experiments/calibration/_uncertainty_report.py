@@ -31,7 +31,7 @@ def report(store: Files, view: View) -> Result:
         TITLE, [*answer, *warnings], tables, picture="calibration_uncertainty", setting=setting
     )
     store.text("report.md", text)
-    notes = (*answer, *warnings, *_calibrated_sea.unresolved(config))
+    notes = (*answer, *warnings, *_calibrated_sea.limits(config))
     return Result(values=_values(view), tables=tables, notes=tuple(dict.fromkeys(notes)))
 
 

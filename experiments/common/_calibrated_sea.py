@@ -58,8 +58,9 @@ def attributes(config: CalibratedSeaConfig) -> dict[str, str | float]:
     }
 
 
-def unresolved(config: CalibratedSeaConfig) -> list[str]:
-    """A note for results that depend on the grid."""
+def limits(config: CalibratedSeaConfig) -> list[str]:
+    """Notes for results that depend on the grid, or on a spectrum outside of what it was made for."""
+    notes = _build.outside_validity(config.spectrum, config.wind)
     if config.band is not None:
-        return []
-    return _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)
+        return notes
+    return notes + _build.unresolved_breaking(_build.cascade(config.cascade), config.breaking_wavenumber)

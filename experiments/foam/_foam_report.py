@@ -148,11 +148,11 @@ def _notes(view: View, means: dict, errors: dict, events: dict) -> list[str]:
     tau, error = fit.values["decay_time"], fit.errors["decay_time"]
     laws = (_build.law(config.active_law).name, _build.law(config.total_law).name)
     place = "inside" if CALLAGHAN[0] <= tau <= CALLAGHAN[1] else "outside"
+    sees = low_pass(view.config.breaking_wavenumber)
     notes.append(
         f"Active coverage after {laws[0]} and total coverage after {laws[1]} agree best at one τ = {tau:.2f} ± "
-        f"{error:.2f} s for all winds ({low_pass(view.config.breaking_wavenumber)}, projected area): {place} the "
-        f"{CALLAGHAN[0]:g} to {CALLAGHAN[1]:g} s of the literature, beside Monahan's {MONAHAN:g} s. It leaves {fit.rms[laws[1]]:.2f} in "
-        f"log10 W, and the error is that of laws that scatter by half a decade. With ε and τ of its own, each wind "
+        f"{error:.2f} s for all winds ({sees}, projected area): {place} the {CALLAGHAN[0]:g} to {CALLAGHAN[1]:g} s of "
+        f"the literature, beside Monahan's {MONAHAN:g} s. It leaves {fit.rms[laws[1]]:.2f} in log10 W, and the error is that of laws that scatter by half a decade. With ε and τ of its own, each wind "
         f"obeys both laws at τ = {_range(calibration.own_decay_time, 's')}."
     )
     if len(calibration.table) > 1:

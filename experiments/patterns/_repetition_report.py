@@ -3,18 +3,20 @@
 import numpy as np
 
 from .. import schema
+from ..common import _build
 from ..common._markdown import page
+from ..common._words import low_pass
 from ..harness._result import Result, Table
 from ._repetition_views import EARTH, Repetition, family, named, others
 
 
 def result(found: list[Repetition], peak: float, config: schema.RepetitionConfig) -> Result:
     """Numbers, tables and the answer in words."""
-    del config
+    limits = _build.outside_validity(config.spectrum, config.wind)
     return Result(
         values={"peak_wavelength_m": peak, "cascades": [_numbers(one) for one in found]},
         tables=(_sizes_table(found), _peaks_table(found)),
-        notes=tuple(_notes(found)),
+        notes=(*_notes(found), *limits),
     )
 
 
@@ -22,8 +24,8 @@ def report(result: Result, found: list[Repetition], peak: float, config: schema.
     """`report.md`."""
     setting = (
         f"U10 = {config.wind.speed:g} m/s, peak wavelength {peak:.3g} m, λ = 1, ε = {config.threshold:g}, "
-        f"{_limit(config)}; autocorrelations in closed form every {config.step:g} m along the lattices' axes from "
-        f"{3 * peak:.3g} m to {config.reach:g} m; the foam that comes again from {config.draws:,} drawn pairs of "
+        f"{low_pass(config.breaking_wavenumber)}; autocorrelations in closed form every {config.step:g} m along the "
+        f"lattices' axes from {3 * peak:.3g} m to {config.reach:g} m; the foam that comes again from {config.draws:,} drawn pairs of "
         "points at the distance where j repeats most, ± one standard error"
     )
     answer = "\n".join(f"- {note}" for note in result.notes)
@@ -34,12 +36,6 @@ def report(result: Result, found: list[Repetition], peak: float, config: schema.
     )
     text = page("How many patterns?", (answer,), result.tables, picture="repetition", setting=setting)
     return f"{text}\n\n## Shares of the patterns in the variances of height and j, largest pattern first\n\n{shares}"
-
-
-def _limit(config: schema.RepetitionConfig) -> str:
-    if config.breaking_wavenumber is None:
-        return "no breaking wavenumber"
-    return f"breaking wavenumber {config.breaking_wavenumber:.4g} rad/m"
 
 
 def _shares(shares: np.ndarray) -> str:
