@@ -25,8 +25,8 @@ def report(result: Result, found: list[Repetition], peak: float, config: schema.
     setting = (
         f"U10 = {config.wind.speed:g} m/s, peak wavelength {peak:.3g} m, λ = 1, ε = {config.threshold:g}, "
         f"{low_pass(config.breaking_wavenumber)}; autocorrelations in closed form every {config.step:g} m along the "
-        f"lattices' axes from {3 * peak:.3g} m to {config.reach:g} m; the foam that comes again from {config.draws:,} drawn pairs of "
-        "points at the distance where j repeats most, ± one standard error"
+        f"lattices' axes from {3 * peak:.3g} m to {config.reach:g} m; the foam that comes again from "
+        f"{config.draws:,} drawn pairs of points at the distance where j repeats most, ± one standard error"
     )
     answer = "\n".join(f"- {note}" for note in result.notes)
     shares = "\n".join(
