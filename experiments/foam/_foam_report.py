@@ -153,7 +153,8 @@ def _notes(view: View, means: dict, errors: dict, events: dict) -> list[str]:
         f"Active coverage after {laws[0]} and total coverage after {laws[1]} agree best at one τ = {tau:.2f} ± "
         f"{error:.2f} s for all winds ({sees}, projected area): {place} the {CALLAGHAN[0]:g} to {CALLAGHAN[1]:g} s of "
         f"the literature, beside Monahan's {MONAHAN:g} s. It leaves {fit.rms[laws[1]]:.2f} in log10 W, and the error "
-        f"is that of laws that scatter by half a decade. With ε and τ of its own, each wind obeys both laws at τ = {_range(calibration.own_decay_time, 's')}."
+        f"is that of laws that scatter by half a decade. With ε and τ of its own, each wind obeys both laws at "
+        f"τ = {_range(calibration.own_decay_time, 's')}."
     )
     if len(calibration.table) > 1:
         first, last = calibration.table[0], calibration.table[-1]
