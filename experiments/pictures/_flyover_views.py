@@ -32,7 +32,7 @@ def _sheet(store: Files, levels: Sequence) -> None:
             axis.axis("off")
         for axis, level in zip(axes.flat, levels, strict=False):
             axis.imshow(level.picture, origin="upper", interpolation="antialiased")
-            axis.set_title(f"{level.height:.3g} m", fontsize=10)
+            axis.set_title(f"{level.height:,.{1 if level.height < 10 else 0}f} m", fontsize=10)
         store.picture("heights", fig)
 
 

@@ -61,7 +61,8 @@ class AnimateConfig(SceneConfig):
                 raise wrong("path", f"hold times that increase, but {after:g} s follows {before:g} s")
         if self.frames > MOST:
             raise wrong(
-                "duration", f"times `frames_per_second` be at most {MOST} frames, but is {self.frames}"
+                "duration",
+                f"be such that it times `frames_per_second` is at most {MOST} frames, but that is {self.frames}",
             )
         if len(set(self.compare)) < len(self.compare):
             raise wrong("compare", "hold each name once")
