@@ -17,7 +17,7 @@ from ._errors import UserError, nearest
 from ._messages import sections_of, sentence
 
 SUFFIXES = (".yaml", ".yml")
-CHOOSING = ("family", "law")
+CHOOSING = ("family", "law", "kind")
 """Keys that decide which other keys their section has."""
 
 

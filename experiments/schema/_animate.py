@@ -40,12 +40,16 @@ class AnimateConfig(SceneConfig):
     duration: float = key(2.0, unit="s", meaning="of the sequence", gt=0, le=1e5)
     frames_per_second: float = key(12.0, unit="1/s", meaning="as they are shown", gt=0, le=240)
     path: tuple[KeyFrameConfig, ...] = key(
-        (), meaning="key frames of the camera, smoothly joined; none: it stands still", max_length=1000
+        (),
+        meaning="key frames of the camera, smoothly joined; none: it stands still",
+        within="each {time, position, heading, pitch}, times increase",
+        max_length=1000,
     )
     compare: tuple[Literal["unfiltered", "supersampled"], ...] = key(
         (),
         meaning="render these as well, and say how much each flickers: looked up at the pixels' centres alone, or "
         "4 by 4 times a pixel",
+        within="unfiltered, supersampled",
         max_length=2,
     )
 
