@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._numerics import safe_norm
-from .._types import Scalar
+from .._types import Scalar, ScalarLike
 from ._bounds import Bounds
 from ._projected_grid import FAR
 from ._ray_surface import RaySurface
@@ -85,7 +85,7 @@ def first_crossing(
     bounds: Bounds,
     rays: Float[Array, "rows columns 3"],
     height: Scalar,
-    least_step: float,
+    least_step: ScalarLike,
 ) -> Start:
     """The first place along each ray where it passes below the surface, to within `CLOSE` of a pixel.
 
@@ -164,7 +164,12 @@ def _at_rest(rays: _Rays, a: Float[Array, " lane"], b: Float[Array, " lane"]):
 
 
 def _step(
-    surface: RaySurface, steepness: Steepness, height: Scalar, least_step: float, rays: _Rays, lane: _Lanes
+    surface: RaySurface,
+    steepness: Steepness,
+    height: Scalar,
+    least_step: ScalarLike,
+    rays: _Rays,
+    lane: _Lanes,
 ) -> _Lanes:
     """One step of the march, or of false position once there is a bracket."""
     x, y = _at_rest(rays, lane.a, lane.b)

@@ -17,12 +17,13 @@ from ..whitecaps import StrainStatistics, footprint_statistics
 from ._bands import cut, join
 from ._bounds import Bounds
 from ._camera import Camera, check_size
-from ._edges import Edges, find_exits, silhouettes
+from ._edges import Edges
 from ._footprint import Seen, SurfaceMoments, displaced
 from ._hits import footprint_edges, meet
 from ._mesh import displaced_mesh, displacement_atlas
 from ._projected_grid import rest_grid
 from ._raster import visible_triangles
+from ._silhouettes import find_silhouettes
 from ._rays import Rays, RayScene, average, ray_bands
 
 T = TypeVar("T")
@@ -139,9 +140,11 @@ def visible_points(
 
     **Returns:** `Visible` and the silhouettes.
 
-    **Raises:** `ValueError` for a size that makes no sense.
+    **Raises:** `ValueError` for a size that makes no sense, or several rays a pixel, which have no mean place.
     """
     check_size(size)
+    if isinstance(method, Rays) and method.samples > 1:
+        raise ValueError(f"Argument `samples` of the rays must be 1 here, but is {method.samples}.")
     return _visible_points(fields, cascade, camera, size, method, as_leaf(curvature))
 
 
@@ -210,7 +213,6 @@ def map_visible(
         triangle, rows = band
         # What is apart is computed once; XLA would rather compute it again in each of its many users.
         hits = compute_apart(lambda: meet(mesh, triangle, rows), rows[0] >= 0)
-        exits = find_exits(mesh, triangle, hits, rows)
         if not method.filtered:
             hits = hits._replace(variance=jnp.zeros_like(hits.variance))
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
@@ -218,10 +220,10 @@ def map_visible(
         visible = Visible(
             camera, size, rows, hits.hit, depth, (hits.x, hits.y), footprint_edges(hits), hits.variance, seen
         )
-        return shade(visible), exits
+        return shade(visible), jnp.where(hits.hit, hits.ahead, jnp.inf)
 
-    shaded, exits = jax.lax.map(one, (cut(triangle), cut(jnp.arange(size[0], dtype=dtype))))
-    return jax.tree.map(join, shaded), silhouettes(jax.tree.map(join, exits))
+    shaded, ahead = jax.lax.map(one, (cut(triangle), cut(jnp.arange(size[0], dtype=dtype))))
+    return jax.tree.map(join, shaded), find_silhouettes(mesh.screen, join(ahead))
 
 
 def _map_rays(shade, fields, cascade, camera, size, method: Rays, curvature) -> tuple:
