@@ -12,6 +12,10 @@ from ._atlas import Atlas, level_of
 STEPS_PER_OCTAVE = 4
 """Nodes of the table for each factor of two in variance."""
 
+IN_COMMON = 1 / 4
+"""How far the mean product of two neighbouring levels lies from the square of the coarser one to that of the finer one,
+for strain that is spread evenly over the octaves, as that of a wind sea."""
+
 
 class Residual(eqx.Module):
     """Second moments of what an `Atlas` of (a, b, c, ∂η/∂x, ∂η/∂y) leaves out, as a function of the filter's variance.
@@ -20,11 +24,12 @@ class Residual(eqx.Module):
 
     Of a Gaussian sea what a filter removes is independent of what it leaves, so that its covariance is the same
     everywhere: one table in the place of nine textures. Both expectations are means over the realised patterns, and
-    patterns add. Bilinear reading is counted as part of the filter.
+    patterns add. Bilinear reading is counted as part of the filter, however narrow that is: without what it leaves out
+    a quarter of the strain of near water, and half of its whitecaps, would be missing.
 
     **Arguments:** `table`: the six of the strain and the three of the slopes [-], in the order of
-    `jaxocean.filtering.pair_products`, at equal steps of log2 of the variance, from `first` on; a filter that is
-    narrower than the finest samples leaves out less in proportion to its variance.
+    `jaxocean.filtering.pair_products`, at equal steps of log2 of the variance, from `first` on. At a point, of variance
+    0, nothing is left out.
     """
 
     first: float = eqx.field(static=True)
@@ -34,7 +39,7 @@ class Residual(eqx.Module):
     def of_atlas(cls, atlas: Atlas) -> "Residual":
         """The table of an atlas with the five channels (a, b, c, ∂η/∂x, ∂η/∂y)."""
         samples = np.asarray(atlas.sizes) / atlas.resolution
-        first = float(np.floor(2 * np.log2(samples.min() / 2)) - 6)
+        first = float(np.floor(2 * np.log2(samples.min() / 2)))
         final = float(np.ceil(2 * np.log2(max(atlas.sizes))) + 1)
         nodes = int(STEPS_PER_OCTAVE * (final - first)) + 1
         dtype = atlas.channels.dtype
@@ -44,9 +49,9 @@ class Residual(eqx.Module):
             left_out = _left_out(atlas, pattern)
             wide = variance / float(sample) ** 2
             level, share = level_of(wide, atlas.resolution)
-            keep = (1 - share) ** 2
+            keep = (1 - share) * (1 - share + 2 * IN_COMMON * share)
             mixed = left_out[:, level] * keep + left_out[:, level + 1] * (1 - keep)
-            table = table + mixed * jnp.clip(4 * wide, 0, 1)
+            table = table + mixed
         return cls(first, table)
 
     def __call__(self, variance: Float[Array, "*b"]) -> tuple[Float[Array, "*b"], ...]:
@@ -56,14 +61,10 @@ class Residual(eqx.Module):
         place = jnp.clip(place, 0, last)
         node = jnp.minimum(jax.lax.stop_gradient(place).astype(jnp.int32), last - 1)
         share = place - node.astype(place.dtype)
-        # Narrower than the first node: in proportion, down to nothing.
-        factor = jnp.minimum(variance * 2.0**-self.first, 1.0)
+        wide = variance > 0
         return tuple(
-            factor
-            * (
-                row.at[node].get(mode="promise_in_bounds") * (1 - share)
-                + row.at[node + 1].get(mode="promise_in_bounds") * share
-            )
+            jnp.where(wide, row.at[node].get(mode="promise_in_bounds") * (1 - share), 0.0)
+            + jnp.where(wide, row.at[node + 1].get(mode="promise_in_bounds") * share, 0.0)
             for row in self.table
         )
 
