@@ -141,7 +141,9 @@ def report(config: schema.AnimateConfig, found: Found, result: Result) -> str:
             "From frame to frame pixels flicker by "
             + ", ".join(f"{value:.3g}/255 {name}" for name, value in whole.items())
             + " (root-mean-square second difference of the code values, all pixels). Waves that move are part of it: "
-            "how much is what the supersampled sequence has, where there is one."
+            "how much is what the supersampled sequence has, where there is one. Look-ups at points read the fields "
+            "bilinearly, and so miss some of the shortest waves, and with them some whitecaps near the camera; "
+            "filtered ones know what they leave out."
         )
     setting = f"this one realisation (seed {config.seed}), threshold {config.threshold:g}, projected area"
     return page("A sequence of the sea", words, result.tables, picture="sequence", setting=setting)

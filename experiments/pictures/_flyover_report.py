@@ -70,8 +70,8 @@ def report(config: schema.FlyoverConfig, levels: Sequence, plane: float, result:
         "times the cheapest.",
         f"Whitecaps cover {100 * plane:.3g} % of the whole plane by the closed form; seen from these heights they "
         f"cover {100 * seen.min():.3g} to {100 * seen.max():.3g} % of the sea in view (means over {config.repeats} "
-        "views of other water, each pixel counting alike). From low down a view holds few waves, hides troughs behind "
-        "crests, and shows the faces that lean towards it larger: that is part of the difference.",
+        "views of other water, each pixel counting alike; their errors as if the views were independent). From low "
+        "down a view holds few waves, and crests hide troughs.",
     ]
     setting = f"this one realisation (seed {config.seed}), threshold {config.threshold:g}, projected area"
     return page("From metres to kilometres", words, result.tables, picture="flyover", setting=setting)

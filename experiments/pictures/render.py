@@ -26,7 +26,7 @@ def run(config: schema.RenderConfig, progress: Reporter, store: Files) -> Result
         _scene.camera(config.camera),
         config.time,
         _scene.size(config.image),
-        method=render.Raster(config.image.vertex_spacing),
+        method=_method(config.image),
         curvature=_scene.curvature(config),
     )
     layers = jax.tree.map(np.asarray, layers)
@@ -35,6 +35,10 @@ def run(config: schema.RenderConfig, progress: Reporter, store: Files) -> Result
     write_png(store.folder / "picture.png", _scene.code(config.image, exposure, layers.radiance))
     _write_layers(store, layers)
     return _report(config, store, ocean, layers, exposure)
+
+
+def _method(image: schema.StillImageConfig) -> render.Raster | render.Rays:
+    return render.Rays(image.samples) if image.method == "rays" else render.Raster(image.vertex_spacing)
 
 
 def _write_layers(store: Files, layers: render.Layers) -> None:
