@@ -23,8 +23,8 @@ from ._hits import footprint_edges, meet
 from ._mesh import displaced_mesh, displacement_atlas
 from ._projected_grid import rest_grid
 from ._raster import visible_triangles
-from ._silhouettes import find_silhouettes
 from ._rays import Rays, RayScene, average, ray_bands
+from ._silhouettes import find_silhouettes
 
 T = TypeVar("T")
 
@@ -42,6 +42,7 @@ class Visible(eqx.Module):
     - `place`: (x, y) of that point at rest, from the point below the camera [m].
     - `edges_of_footprint`: ∂x/∂column, ∂x/∂row, ∂y/∂column, ∂y/∂row [m] at rest.
     - `variance`: along each axis [m²], of the isotropic filter with which slopes and strain were looked up.
+    - `area`: of the surface as it is drawn there, seen from above, over its area at rest [-].
     - `seen`: means and covariances of the displaced surface's slopes and of the strain in the footprint.
     """
 
@@ -53,6 +54,7 @@ class Visible(eqx.Module):
     place: tuple[Float[Array, "rows columns"], ...]
     edges_of_footprint: tuple[Float[Array, "rows columns"], ...]
     variance: Float[Array, "rows columns"]
+    area: Float[Array, "rows columns"]
     seen: Seen
 
     @property
@@ -157,6 +159,7 @@ def _visible_points(fields, cascade, camera, size, method, curvature) -> tuple[V
             visible.place,
             visible.edges_of_footprint,
             visible.variance,
+            visible.area,
             visible.seen,
         )
 
@@ -218,7 +221,16 @@ def map_visible(
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
         depth = hits.ahead / (camera.rays(size, rows) @ forward)
         visible = Visible(
-            camera, size, rows, hits.hit, depth, (hits.x, hits.y), footprint_edges(hits), hits.variance, seen
+            camera,
+            size,
+            rows,
+            hits.hit,
+            depth,
+            (hits.x, hits.y),
+            footprint_edges(hits),
+            hits.variance,
+            hits.area if method.filtered else _area(seen),
+            seen,
         )
         return shade(visible), jnp.where(hits.hit, hits.ahead, jnp.inf)
 
@@ -236,10 +248,16 @@ def _map_rays(shade, fields, cascade, camera, size, method: Rays, curvature) -> 
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
         place = (hits.x, hits.y)
         visible = Visible(
-            camera, scene.size, rows, hits.hit, hits.depth, place, hits.axes, hits.variance, seen
+            camera, scene.size, rows, hits.hit, hits.depth, place, hits.axes, hits.variance, _area(seen), seen
         )
         return jax.tree.map(lambda each: average(each, method.samples), shade(visible))
 
     shaded = jax.lax.map(one, ray_bands(size, method.samples, dtype))
     none = Edges(jnp.zeros((size[0], size[1] - 1), dtype), jnp.zeros((size[0] - 1, size[1]), dtype))
     return jax.tree.map(join, shaded), none
+
+
+def _area(seen: Seen) -> Float[Array, "*b"]:
+    """j of a footprint's mean deformation: rays meet the surface filtered as wide as their footprints."""
+    a, b, c = seen.deformation
+    return (1 + a) * (1 + b) - c * c
