@@ -38,6 +38,7 @@ from ._render import PanoramaSkyConfig as PanoramaSkyConfig
 from ._render import RenderConfig as RenderConfig
 from ._render import SceneConfig as SceneConfig
 from ._render import SkyConfig as SkyConfig
+from ._render import StillImageConfig as StillImageConfig
 from ._render import WaterConfig as WaterConfig
 from ._repetition import RepetitionConfig as RepetitionConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER

@@ -134,6 +134,15 @@ class ImageConfig(Section):
     )
 
 
+class StillImageConfig(ImageConfig):
+    """`image` of a single picture: rays are an alternative to the mesh."""
+
+    method: Literal["raster", "rays"] = key("raster", meaning="how pixels find the sea: a mesh, or rays")
+    samples: int = key(
+        1, unit="-", meaning="rays along each side of a pixel, with the method rays", ge=1, le=16
+    )
+
+
 class SceneConfig(ExperimentConfig):
     """What every picture is made from: a sea, a camera, the light, the image."""
 
@@ -164,3 +173,4 @@ class RenderConfig(SceneConfig):
 
     experiment: Literal["render"] = key("render", meaning="which experiment this config runs")
     time: float = key(0.0, unit="s", meaning="time of the picture", ge=0, le=1e9)
+    image: StillImageConfig = key(StillImageConfig(), meaning="the image")

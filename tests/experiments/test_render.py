@@ -44,6 +44,18 @@ def test_the_layers_add_up_to_the_picture_and_are_numbers(folder):
     assert "of that is foam" in (folder / "report.md").read_text()
 
 
+@pytest.mark.slow
+def test_rays_draw_the_picture_that_the_mesh_draws(folder, tmp_path):
+    rays = ["image.method=rays", "image.samples=2"]
+    other = execute(load("render", [*SMALL, *rays], output=str(tmp_path))).folder
+    drawn, traced = (read_exr(each / "layers.exr") for each in (folder, other))
+    assert all(np.all(np.isfinite(plane)) for plane in traced.values())
+    np.testing.assert_allclose(traced["sea.Y"].mean(), drawn["sea.Y"].mean(), atol=0.01)
+    sea = (drawn["sea.Y"] == 1) & (traced["sea.Y"] == 1)
+    assert np.corrcoef(np.log(drawn["depth.Z"][sea]), np.log(traced["depth.Z"][sea]))[0, 1] > 0.99
+    assert np.corrcoef(drawn["G"].ravel(), traced["G"].ravel())[0, 1] > 0.9
+
+
 def test_a_panorama_that_does_not_exist_is_named(tmp_path):
     config = tmp_path / "mine.yaml"
     config.write_text("experiment: render\nsky: {kind: panorama, file: nowhere.exr}\n")
