@@ -91,7 +91,8 @@ def first_crossing(
 
     The march goes over the rest plane, along the line a whose points are displaced into the ray's own vertical plane;
     a fixed point across it, b ← −v(a, b), takes one step with every step along it. Folds are no obstacle: the line is
-    followed through them. With the ray's direction (c, −s) the clearance
+    followed through them, and of several sheets the first along it is taken. With the ray's direction (c, −s) the
+    clearance
 
     $$ G(a) = c\\,(h - z(a)) - s\\,x(a), \\qquad |G'| ≤ s\\,(1 + |∇u|) + c\\,|∇η| $$
 
