@@ -20,7 +20,7 @@ class Corner(NamedTuple):
     """One corner of the triangle that each pixel sees, around the pixel's centre.
 
     **Arguments:** `x`, `y`: from the centre [pixels], times the sign of `ahead`; `ahead` [m]; `offset_x`, `offset_y`:
-    at rest [m]; `sharpness`: of the footprint's filter, see `Mesh`.
+    at rest [m]; `sharpness`: of the footprint's filter, `area`: see `Mesh`.
     """
 
     x: Float[Array, "rows columns"]
@@ -29,6 +29,7 @@ class Corner(NamedTuple):
     offset_x: Float[Array, "rows columns"]
     offset_y: Float[Array, "rows columns"]
     sharpness: Float[Array, "rows columns"]
+    area: Float[Array, "rows columns"]
 
 
 class Hits(NamedTuple):
@@ -36,7 +37,7 @@ class Hits(NamedTuple):
 
     **Arguments:** `hit`: whether it sees water; `ahead`: depth along the direction of view [m]; `x`, `y`: rest point
     relative to the point below the camera [m]; `variance`: of the filter that stands for its footprint [m²];
-    `corners`: of the triangle. Without water, depth and variance are 1 and the place is 0.
+    `area`: see `Mesh`; `corners`: of the triangle. Without water, depth, variance and area are 1 and the place is 0.
     """
 
     hit: Bool[Array, "rows columns"]
@@ -44,6 +45,7 @@ class Hits(NamedTuple):
     x: Float[Array, "rows columns"]
     y: Float[Array, "rows columns"]
     variance: Float[Array, "rows columns"]
+    area: Float[Array, "rows columns"]
     corners: tuple[Corner, Corner, Corner]
 
 
@@ -70,7 +72,7 @@ def meet(mesh: Mesh, triangle: UInt[Array, "rows columns"], rows: Float[Array, "
     columns = triangle.shape[1]
     dtype = mesh.offset.dtype
     vertices = triangle_vertices(jnp.where(hit, triangle, jnp.uint32(0)), mesh.offset.shape[1])
-    table = (*mesh.screen, mesh.offset[..., 0], mesh.offset[..., 1], mesh.sharpness)
+    table = (*mesh.screen, mesh.offset[..., 0], mesh.offset[..., 1], mesh.sharpness, mesh.area)
     flat = [values.ravel() for values in table]
     px = jnp.arange(columns, dtype=dtype) + 0.5
     py = (rows + 0.5)[:, None]
@@ -117,6 +119,7 @@ def _interpolate(hit: Bool[Array, "rows columns"], corners: tuple[Corner, Corner
         jnp.where(hit, mean([c.offset_x for c in corners]), 0.0),
         jnp.where(hit, mean([c.offset_y for c in corners]), 0.0),
         jnp.where(hit, variance, 1.0),
+        jnp.where(hit, mean([c.area for c in corners]), 1.0),
         corners,
     )
 

@@ -25,13 +25,14 @@ class Mesh(eqx.Module):
     **Arguments:** `offset`: at rest, from the point below the camera [m]; `place`: displaced, from the same point at
     height 0 [m]; `screen`: in the image; `sharpness`: v^(−1/4) [m^(−1/2)] of the variance v of the filter that stands
     for the footprint of a pixel there. On a plane v grows as the fourth power of the depth, so that its sharpness is
-    linear on the screen.
+    linear on the screen. `area`: of the mesh seen from above over its area at rest [-].
     """
 
     offset: Float[Array, "row column 2"]
     place: Float[Array, "row column 3"]
     screen: Screen
     sharpness: Float[Array, "row column"]
+    area: Float[Array, "row column"]
 
 
 def displacement_atlas(fields: Fields, cascade: Cascade) -> Atlas:
@@ -55,7 +56,14 @@ def displaced_mesh(
     flat, level = wrap(moved, height, curvature)
     place = jnp.concatenate([flat, level[..., None]], axis=-1)
     screen = _on_screen(place, camera, size)
-    return Mesh(grid.offset, place, screen, _sharpness(grid.offset, screen))
+    area = _area(moved) / _area(grid.offset)
+    return Mesh(grid.offset, place, screen, _sharpness(grid.offset, screen), area)
+
+
+def _area(points: Float[Array, "row column 2"]) -> Float[Array, "row column"]:
+    """Signed areas of the parallelograms between the differences to neighbouring vertices."""
+    (ux, uy), (vx, vy) = _along(points[..., 0]), _along(points[..., 1])
+    return ux * vy - uy * vx
 
 
 def _sharpness(offset: Float[Array, "row column 2"], screen: Screen) -> Float[Array, "row column"]:

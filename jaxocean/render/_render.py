@@ -102,21 +102,27 @@ def render_layers(
 
 
 def seen_coverage(
-    strain: StrainStatistics, threshold: FloatLike, closure: AbstractClosure
+    strain: StrainStatistics,
+    threshold: FloatLike,
+    closure: AbstractClosure,
+    area: Float[Array, "*b"] | None = None,
 ) -> Float[Array, "*b"]:
     """The share of a footprint's visible area that is foam.
 
     $$ W = E[j\\, 1_{j < ε}] / E[j] $$
 
     The closure in projected area counts foam per area at rest; E[j] is the footprint's own visible area by the same
-    measure. A footprint that has shrunk to a point is foam or not, one that holds the whole sea has E[j] = 1.
+    measure. A footprint that has shrunk to a point is foam or not, one that holds the whole sea has E[j] = 1. Where a
+    mesh is drawn that does not follow every crest, its own area takes the place of E[j], so that all foam together
+    covers what it should.
 
-    **Arguments:** `strain` of the footprints; `threshold` ε [-]; `closure` in projected area.
+    **Arguments:** `strain` of the footprints; `threshold` ε [-]; `closure` in projected area; `area`: of the surface as
+    it is drawn, seen from above, over its area at rest [-], E[j] if None.
 
     **Returns:** W [-], from 0 to 1.
     """
-    area = jnp.maximum(strain.jacobian_mean(), SMALLEST_AREA)
-    return jnp.clip(closure(strain, threshold) / area, 0.0, 1.0)
+    drawn = strain.jacobian_mean() if area is None else area
+    return jnp.clip(closure(strain, threshold) / jnp.maximum(drawn, SMALLEST_AREA), 0.0, 1.0)
 
 
 SMALLEST_AREA = 1e-3
@@ -148,7 +154,7 @@ class _Scene:
         return visible.slope_covariance + self.unresolved
 
     def coverage(self, visible: Visible) -> Float[Array, "*b"]:
-        return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure))
+        return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure), visible.area)
 
     def light(self, visible: Visible, coverage: Float[Array, "*b"]) -> SurfaceRadiance:
         ocean = self.ocean
