@@ -4,6 +4,7 @@ from ._camera import Camera as Camera
 from ._camera import check_above as check_above
 from ._edges import Edges as Edges
 from ._footprint import SurfaceMoments as SurfaceMoments
+from ._gradient import value_and_gradient as value_and_gradient
 from ._patch_mesh import patch_mesh as patch_mesh
 from ._planet import EARTH_CURVATURE as EARTH_CURVATURE
 from ._rays import Rays as Rays
