@@ -256,6 +256,16 @@ def test_several_rays_a_pixel_find_the_share_of_it_that_is_water():
     np.testing.assert_array_equal(most, share >= 0.5)
 
 
+@pytest.mark.slow
+def test_rays_of_several_cameras_are_batched_by_vmap():
+    def depth(height):
+        camera = Camera(jnp.stack([0 * height, 0 * height, height]), pitch=0.5)
+        return map_visible(lambda v: v.depth, calm(), CASCADE, camera, SIZE, method=Rays())[0]
+
+    found = eqx.filter_jit(eqx.filter_vmap(depth))(jnp.array([10.0, 30.0]))
+    np.testing.assert_allclose(found[1][12:], 3 * found[0][12:], rtol=1e-9)
+
+
 def test_the_steepest_gradient_is_that_of_the_steepest_cell(sea):
     alone = Cascade((23.0,), 32)
     fields = realise(wind_sea(12.0), alone, key=jax.random.key(1)).fields(TIME, 1.0)
