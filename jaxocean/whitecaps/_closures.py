@@ -171,7 +171,7 @@ def _gaussian_projected(level, mean, deviation) -> Float[Array, "*b"]:
     whole = scaled(level, exponent)
     fold = scaled(jnp.where(positive, -FOLD * level, level), exponent)
     value = jnp.where(positive, whole - 2 * fold, -whole)
-    return exponent + _safe_log(value, jnp.ones_like(positive))
+    return exponent + _safe_log(value, jnp.ones_like(value, bool))
 
 
 class PublishedClosure(AbstractClosure):
