@@ -7,6 +7,7 @@ import pytest
 from experiments.harness._errors import UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
+from experiments.pictures import _scene
 from jaxocean.io import read_exr
 
 SMALL = [
@@ -66,3 +67,13 @@ def test_a_panorama_that_does_not_exist_is_named(tmp_path):
 def test_a_camera_under_water_is_refused(tmp_path):
     with pytest.raises((UserError, ValueError), match="height"):
         execute(load("render", [*SMALL, "camera.position=[0,0,-1]"], output=str(tmp_path)))
+
+
+def test_a_camera_inside_a_crest_is_refused_in_one_sentence(tmp_path):
+    config = load("render", SMALL).config
+    fields = _scene.ocean(config).fields(config.time)
+    row, column = np.unravel_index(np.argmax(fields.height[0]), (32, 32))
+    x, y = np.array([column, row]) * 200 / 32 + np.asarray(fields.displacement[0, row, column])
+    height = 0.4 * float(np.max(fields.height[0]))
+    with pytest.raises((UserError, ValueError), match="must be above the water, but is at a height of"):
+        execute(load("render", [*SMALL, f"camera.position=[{x},{y},{height}]"], output=str(tmp_path)))
