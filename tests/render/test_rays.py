@@ -195,8 +195,8 @@ def test_the_derivative_of_depth_is_that_of_central_differences(sea, what):
         return np.asarray(see_and_vary(*scene(at), zero, *still)[0][0])
 
     expected = (depth(1e-5) - depth(-1e-5)) / 2e-5
-    changes = jax.jvp(scene, (x,), (along,))[1]
-    found = np.asarray(see_and_vary(*scene(x), zero, *changes)[1][0])
+    (fields, camera), (fields_change, camera_change) = jax.jvp(scene, (x,), (along,))
+    found = np.asarray(see_and_vary(fields, camera, zero, fields_change, camera_change)[1][0])
     assert np.std(expected) > 0
     error = np.linalg.norm(found - expected) / np.linalg.norm(expected)
     assert error < 0.01
@@ -275,7 +275,7 @@ def test_the_steepest_gradient_is_that_of_the_steepest_cell(sea):
     def steepest_and_bound(fields, variance):
         atlas = displacement_atlas(fields, alone)
         gradient = [
-            jax.jvp(lambda *place: atlas(jnp.zeros(2), *place, variance + 0 * x)[2], (x, y), tangent)[1]
+            jax.jvp(lambda x, y: atlas(jnp.zeros(2), x, y, variance + 0 * x)[2], (x, y), tangent)[1]
             for tangent in ((0 * x + 1, 0 * x), (0 * x, 0 * x + 1))
         ]
         return jnp.max(jnp.hypot(*gradient)), Steepness.of_atlas(atlas)(variance)[1]
