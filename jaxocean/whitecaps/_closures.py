@@ -148,9 +148,10 @@ class GaussianClosure(AbstractClosure):
 
     def log(self, stats: StrainStatistics, threshold: FloatLike) -> Float[Array, "*b"]:
         mean, variance = stats.jacobian_mean(), stats.jacobian_variance()
+        level = jnp.asarray(threshold).astype(mean.dtype)
+        mean, variance, level = jnp.broadcast_arrays(mean, variance, level)
         calm = variance <= 0
         deviation = jnp.sqrt(jnp.where(calm, 1.0, variance))
-        level = jnp.asarray(threshold).astype(mean.dtype)
         rest = log_ndtr((level - mean) / deviation)
         value = rest if self.measure == "rest" else _gaussian_projected(level, mean, deviation)
         return jnp.where(calm, _log_still(mean, level, self.measure), value)

@@ -4,6 +4,7 @@ import imageio.v3 as imageio
 import numpy as np
 import pytest
 
+from experiments import schema
 from experiments.harness._errors import UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
@@ -71,6 +72,7 @@ def test_a_camera_under_water_is_refused(tmp_path):
 
 def test_a_camera_inside_a_crest_is_refused_in_one_sentence(tmp_path):
     config = load("render", SMALL).config
+    assert isinstance(config, schema.RenderConfig)
     fields = _scene.ocean(config).fields(config.time)
     row, column = np.unravel_index(np.argmax(fields.height[0]), (32, 32))
     x, y = np.array([column, row]) * 200 / 32 + np.asarray(fields.displacement[0, row, column])
