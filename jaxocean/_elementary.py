@@ -18,6 +18,15 @@ LOG2_E = 1.4426950409
 LARGEST = 125.0
 
 
+def once(x: Float[Array, "*s"]) -> Float[Array, "*s"]:
+    """x itself, computed once and kept in memory for all that reads it.
+
+    XLA on the CPU repeats cheap arithmetic in each program that reads it, but not a quotient; this is one by 1, which
+    the compiler cannot know.
+    """
+    return x / jnp.where(x == x, 1.0, jnp.nan).astype(x.dtype)
+
+
 @jax.custom_jvp
 def reciprocal(x: Float[Array, "*s"]) -> Float[Array, "*s"]:
     """1/x for x > 0; in float32 to two units in the last place."""

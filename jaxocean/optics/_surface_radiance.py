@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._elementary import inverse_root
+from .._elementary import inverse_root, once
 from .._numerics import is_concrete
 from ._foam import AbstractFoam
 from ._foam_view import AbstractFoamView, EvenFoam
@@ -101,23 +101,30 @@ def surface_radiance(
         each.astype(dtype) for each in (sky.sun_direction, sky.sun_irradiance, sky.irradiance())
     )
 
-    glitter = sun_glitter(to_viewer, to_sun, slope, slope_covariance, shading.fresnel, shading.masking)
+    glitter = once(sun_glitter(to_viewer, to_sun, slope, slope_covariance, shading.fresnel, shading.masking))
     mirrored = shading.sky_reflection(to_viewer, slope, slope_covariance, sky, shading.fresnel)
     upwelling = water.radiance(sky, shading.fresnel).astype(dtype)
 
     x, y = slope[..., 0], slope[..., 1]
     upright = inverse_root(1.0 + x * x + y * y)
-    on_foam = jnp.maximum(to_sun[2] - x * to_sun[0] - y * to_sun[1], 0.0) * upright
+    on_foam = once(jnp.maximum(to_sun[2] - x * to_sun[0] - y * to_sun[1], 0.0) * upright)
     scattered = foam.reflectance(foam_age).astype(dtype) / math.pi
 
     hidden = facing(to_viewer, slope, slope_covariance).hidden
     clear, white = shading.mixing(shading.foam_view(coverage, hidden))
-    sun_part = (clear * glitter)[..., None] * beam
-    sky_part = clear[..., None] * mirrored.radiance
-    water_part = (clear * (1.0 - mirrored.reflectance))[..., None] * upwelling
-    foam_part = white[..., None] * scattered * (on_foam[..., None] * beam + dome)
-    total = sun_part + sky_part + water_part + foam_part
-    return SurfaceRadiance(total, sun_part, sky_part, water_part, foam_part)
+    clear, white = once(clear), once(white)
+    # Channel by channel: XLA on the CPU is slow with short last axes.
+    parts = [
+        (
+            clear * glitter * beam[k],
+            clear * mirrored.radiance[..., k],
+            clear * (1.0 - mirrored.reflectance) * upwelling[k],
+            white * scattered[..., k] * (on_foam * beam[k] + dome[k]),
+        )
+        for k in range(3)
+    ]
+    total = jnp.stack([sun + mirror + deep + foamy for sun, mirror, deep, foamy in parts], axis=-1)
+    return SurfaceRadiance(total, *(jnp.stack(each, axis=-1) for each in zip(*parts, strict=True)))
 
 
 def _check_coverage(coverage: Float[Array, "*b"]) -> None:

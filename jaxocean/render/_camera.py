@@ -121,9 +121,11 @@ class Camera(eqx.Module):
         wanted = jnp.arange(count, dtype=dtype) if rows is None else rows
         x = (jnp.arange(columns, dtype=dtype) + (0.5 - 0.5 * columns)) / focal
         y = ((0.5 * count - 0.5) - wanted) / focal
-        right, up, forward = self.axes()
-        through = x[None, :, None] * right + y[:, None, None] * up + forward
-        return through / jnp.sqrt(1 + x[None, :] ** 2 + y[:, None] ** 2)[..., None]
+        axes = self.axes()
+        shorter = 1 / jnp.sqrt(1 + x[None, :] ** 2 + y[:, None] ** 2)
+        # Component by component: XLA on the CPU is slow with short last axes.
+        parts = [(x[None, :] * axes[0, i] + y[:, None] * axes[1, i] + axes[2, i]) * shorter for i in range(3)]
+        return jnp.stack(parts, axis=-1)
 
     def project(
         self, points: Float[Array, "*b 3"], size: tuple[int, int]

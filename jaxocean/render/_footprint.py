@@ -38,11 +38,12 @@ class SurfaceMoments(eqx.Module):
     @classmethod
     def from_fields(cls, fields: Fields, cascade: Cascade) -> "SurfaceMoments":
         """The textures of a sea's fields at one time."""
-        channels = jnp.concatenate([fields.strain, fields.slope], axis=-1)
-        atlas = Atlas.from_channels(jnp.moveaxis(channels, -1, 0), cascade.sizes)
-        short = fields.short_strain
+        strain, slope, short = fields.strain, fields.slope, fields.short_strain
+        atlas = _atlas(
+            [strain[..., 0], strain[..., 1], strain[..., 2], slope[..., 0], slope[..., 1]], cascade
+        )
         if short is not None:
-            short = Atlas.from_channels(jnp.moveaxis(short, -1, 0), cascade.sizes)
+            short = _atlas([short[..., 0], short[..., 1], short[..., 2]], cascade)
         return cls(atlas, Residual.of_atlas(atlas), short)
 
     def __call__(
@@ -76,6 +77,10 @@ class SurfaceMoments(eqx.Module):
         return tuple(
             long + short for long, short in zip(strain, self.short(centre, x, y, variance), strict=True)
         )
+
+
+def _atlas(channels: list[Float[Array, "pattern y x"]], cascade: Cascade) -> Atlas:
+    return Atlas.from_channels(jnp.stack(channels), cascade.sizes, rounded=True)
 
 
 class Seen(NamedTuple):

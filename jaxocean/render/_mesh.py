@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._elementary import once
 from .._types import Scalar
 from ..surface import Cascade, Fields
 from ._atlas import Atlas
@@ -52,27 +53,29 @@ def displaced_mesh(
     centre = camera.position[:2]
     x, y, variance = (cut(v) for v in (grid.offset[..., 0], grid.offset[..., 1], grid.spacing**2 / 12))
     u, v, height = jax.tree.map(join, jax.lax.map(lambda band: atlas(centre, *band), (x, y, variance)))
-    moved = grid.offset + jnp.stack([u, v], axis=-1)
-    flat, level = wrap(moved, height, curvature)
-    place = jnp.concatenate([flat, level[..., None]], axis=-1)
-    screen = _on_screen(place, camera, size)
-    area = _area(moved) / _area(grid.offset)
-    return Mesh(grid.offset, place, screen, _sharpness(grid.offset, screen), area)
+    offset = tuple(once(grid.offset[..., i]) for i in (0, 1))
+    moved = once(offset[0] + u), once(offset[1] + v)
+    flat, level = wrap(jnp.stack(moved, axis=-1), height, curvature)
+    place = tuple(once(each) for each in (flat[..., 0], flat[..., 1], level))
+    screen = Screen(*map(once, _on_screen(place, camera, size)))
+    area = _area(moved) / _area(offset)
+    stacked = jnp.stack(offset, axis=-1), jnp.stack(place, axis=-1)
+    return Mesh(*stacked, screen, _sharpness(offset, screen), area)
 
 
-def _area(points: Float[Array, "row column 2"]) -> Float[Array, "row column"]:
+def _area(points: tuple[Float[Array, "row column"], ...]) -> Float[Array, "row column"]:
     """Signed areas of the parallelograms between the differences to neighbouring vertices."""
-    (ux, uy), (vx, vy) = _along(points[..., 0]), _along(points[..., 1])
+    (ux, uy), (vx, vy) = _along(points[0]), _along(points[1])
     return ux * vy - uy * vx
 
 
-def _sharpness(offset: Float[Array, "row column 2"], screen: Screen) -> Float[Array, "row column"]:
+def _sharpness(offset: tuple[Float[Array, "row column"], ...], screen: Screen) -> Float[Array, "row column"]:
     """From the differences of neighbouring vertices at rest and on the screen.
 
     Taken at the vertices and not in each triangle, it is continuous: an image without jumps has the derivative of its
     finite differences.
     """
-    (ux, uy), (vx, vy) = _along(offset[..., 0]), _along(offset[..., 1])
+    (ux, uy), (vx, vy) = _along(offset[0]), _along(offset[1])
     (xx, xy), (yx, yy) = _along(screen.x), _along(screen.y)
     area = xx * yy - xy * yx
     # Where the surface is seen edge on, a pixel's footprint has no bound.
@@ -94,16 +97,23 @@ def _along(
 ) -> tuple[Float[Array, "row column"], Float[Array, "row column"]]:
     """Differences from row to row and from column to column: of both neighbours, at the borders of one."""
 
-    def central(v: Float[Array, "row column"]) -> Float[Array, "row column"]:
-        step = v[1:] - v[:-1]
-        return 0.5 * (jnp.concatenate([step[:1], step]) + jnp.concatenate([step, step[-1:]]))
+    result = []
+    for axis in (0, 1):
+        first, after, before, final = (
+            jax.lax.slice_in_dim(values, i, i + 1, axis=axis)
+            for i in (0, 1, values.shape[axis] - 2, values.shape[axis] - 1)
+        )
+        wider = jnp.concatenate([2 * first - after, values, 2 * final - before], axis=axis)
+        both = (jax.lax.slice_in_dim(wider, i, i + values.shape[axis], axis=axis) for i in (2, 0))
+        result.append(once(0.5 * (next(both) - next(both))))
+    return result[0], result[1]
 
-    return central(values), central(values.T).T
 
-
-def _on_screen(place: Float[Array, "row column 3"], camera: Camera, size: tuple[int, int]) -> Screen:
+def _on_screen(
+    place: tuple[Float[Array, "row column"], ...], camera: Camera, size: tuple[int, int]
+) -> Screen:
     right, up, forward = camera.axes()
-    x, y, z = place[..., 0], place[..., 1], place[..., 2] - camera.position[2]
+    x, y, z = place[0], place[1], place[2] - camera.position[2]
 
     def along(axis: Float[Array, "3"]) -> Float[Array, "row column"]:
         return x * axis[0] + y * axis[1] + z * axis[2]

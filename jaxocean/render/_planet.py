@@ -27,7 +27,9 @@ def wrap(
     sine = _sinc(turn_square)
     drop = 0.5 * jnp.minimum(square * curvature, jnp.pi**2 / jnp.maximum(curvature, 1e-30)) * half**2
     cosine = 1 - 0.5 * turn_square * half**2
-    return offset * (sine * (1 + curvature * height))[..., None], height * cosine - drop
+    stretch = sine * (1 + curvature * height)
+    place = jnp.stack([offset[..., i] * stretch for i in (0, 1)], axis=-1)
+    return place, height * cosine - drop
 
 
 def _sinc(square: Float[Array, "*b"]) -> Float[Array, "*b"]:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, UInt
 
+from .._elementary import once
 from .._types import Scalar
 
 BLOCK = (4, 6)
@@ -163,21 +164,23 @@ def _fragments(
     base_x, base_y = quads.left.astype(dtype) + 0.5, quads.top.astype(dtype) + 0.5
     local = [(x - base_x * sign, y - base_y * sign, sign, inverse) for x, y, sign, inverse in quads.corners]
     px, py = dx.astype(dtype), dy.astype(dtype)
-    first = _inverse_depth((local[0], local[1], local[2]), px, py)
-    second = _inverse_depth((local[0], local[2], local[3]), px, py)
-    closeness = jnp.maximum(first, second)
+    first = _inverse_depth(_planes((local[0], local[1], local[2])), px, py)
+    second = _inverse_depth(_planes((local[0], local[2], local[3])), px, py)
+    # The nearer of both; its sign says which one, so that pixels and keys share one array.
+    nearer = once(jnp.where(second > first, -second, first))
+    closeness = jnp.abs(nearer)
     here = (closeness > 0) & (dy < quads.tall) & (dx < quads.wide)
     pixel = jnp.where(here, (quads.top + dy) * size[1] + quads.left + dx, size[0] * size[1])
     # Octaves beyond the nearest depth, as the bits of a floating-point number tell them.
     near, far = (jax.lax.bitcast_convert_type(c, jnp.int32) for c in (nearest, closeness.astype(jnp.float32)))
     steps = jnp.clip(near - far, 0, (OCTAVES << 23) - 1).astype(jnp.uint32)
     depth = steps >> jnp.uint32(bits - 5)
-    triangle = 2 * number + (second > first).astype(jnp.uint32)
+    triangle = 2 * number + (nearer < 0).astype(jnp.uint32)
     return pixel.ravel(), ((depth << jnp.uint32(bits)) | triangle).ravel()
 
 
-def _inverse_depth(corners, px, py):
-    """1/ahead where a pixel's centre lies in the triangle, else 0."""
+def _planes(corners) -> list[tuple[Float[Array, "*q"], ...]]:
+    """Linear functions (a, b, c) of the pixel: three that are not negative in a triangle, and 1/ahead."""
     (x0, y0, s0, i0), (x1, y1, s1, i1), (x2, y2, s2, i2) = corners
     parts = []
     for (xa, ya, sa), (xb, yb, sb) in (
@@ -189,17 +192,23 @@ def _inverse_depth(corners, px, py):
         parts.append((ya * sb - sa * yb, sa * xb - xa * sb, xa * yb - ya * xb))
     area = x0 * parts[0][0] + y0 * parts[0][1] + s0 * parts[0][2]
     turn = jnp.where(area >= 0, 1.0, -1.0).astype(area.dtype)
-    inside = jnp.abs(area) > 0
+    flat = area == 0
     slack = _slack(area.dtype)
-    total = 0.0
-    for (a, b, c), inverse in zip(parts, (i0, i1, i2), strict=True):
-        a, b, c = turn * a, turn * b, turn * c
-        edge = a * px + b * py + c
-        inside = inside & (edge >= -slack * (jnp.abs(a) + jnp.abs(b)))
-        total = total + edge * inverse
-    area = jnp.abs(area)
-    total = total / jnp.where(area > 0, area, 1.0)
-    return jnp.where(inside & (total > 0), total, 0.0)
+    edges, plane = [], [jnp.zeros_like(area)] * 3
+    for part, inverse in zip(parts, (i0, i1, i2), strict=True):
+        a, b, c = (turn * each for each in part)
+        plane = [p + each * inverse for p, each in zip(plane, (a, b, c), strict=True)]
+        wider = jnp.where(flat, -jnp.inf, c + slack * (jnp.abs(a) + jnp.abs(b)))
+        edges.append((once(a), once(b), once(wider)))
+    scale = 1 / jnp.where(flat, 1.0, jnp.abs(area))
+    return [*edges, tuple(once(each * scale) for each in plane)]
+
+
+def _inverse_depth(planes, px, py):
+    """1/ahead where a pixel's centre lies in the triangle, else 0."""
+    *edges, depth = (a * px + b * py + c for a, b, c in planes)
+    inside = jnp.minimum(jnp.minimum(edges[0], edges[1]), edges[2]) >= 0
+    return jnp.where(inside & (depth > 0), depth, 0.0)
 
 
 def _slack(dtype: jnp.dtype) -> float:

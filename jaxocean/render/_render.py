@@ -7,11 +7,13 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._elementary import once
 from .._numerics import as_leaf, is_concrete
 from .._types import FloatLike, Scalar, ScalarLike
+from ..filtering import symmetric_matrix
 from ..ocean import Ocean
 from ..optics import SurfaceRadiance, surface_radiance
-from ..optics.sky import ImageSky, bake
+from ..optics.sky import ImageSky, Mirror, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
 from ._camera import Camera, check_above, check_size
@@ -138,6 +140,10 @@ def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
     return ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature)
 
 
+Colour = tuple[Float[Array, "rows columns"], ...]
+"""One array for each channel: XLA on the CPU is slow with short last axes."""
+
+
 class _Scene:
     """An ocean's light on what a camera sees, in the type of its fields."""
 
@@ -148,18 +154,23 @@ class _Scene:
         self.ocean = jax.tree.map(cast, ocean)
         self.unresolved = self.ocean.unresolved_slopes()
         # The mirrored sky is looked up in a table: its lobes cost the same however wide they are.
-        self.mirrored = self.ocean.sky if isinstance(self.ocean.sky, ImageSky) else bake(self.ocean.sky)
+        sky = self.ocean.sky
+        self.mirrored = Mirror.of_sky(sky if isinstance(sky, ImageSky) else bake(sky))
 
     def covariance(self, visible: Visible) -> Float[Array, "*b 2 2"]:
-        return visible.slope_covariance + self.unresolved
+        pairs = ((0, 0), (1, 1), (0, 1))
+        parts = [own + self.unresolved[at] for own, at in zip(visible.seen.slopes, pairs, strict=True)]
+        return symmetric_matrix(jnp.stack(parts, axis=-1))
 
     def coverage(self, visible: Visible) -> Float[Array, "*b"]:
         return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure), visible.area)
 
     def light(self, visible: Visible, coverage: Float[Array, "*b"]) -> SurfaceRadiance:
         ocean = self.ocean
+        rays = visible.rays
         return surface_radiance(
-            -visible.rays,
+            # Component by component: XLA on the CPU is slow with short last axes.
+            jnp.stack([-rays[..., i] for i in range(3)], axis=-1),
             visible.slope,
             self.covariance(visible),
             coverage,
@@ -169,9 +180,19 @@ class _Scene:
             shading=ocean.shading,
         )
 
-    def background(self, visible: Visible) -> Float[Array, "*b 3"]:
-        sky, rays = self.ocean.sky, visible.rays
-        return jnp.where(visible.hit[..., None], 0.0, sky.radiance(rays) + sky.sun_radiance(rays))
+    def background(self, visible: Visible) -> Colour:
+        """The sky where no sea is seen, else 0."""
+        sky, rays, above = self.ocean.sky, visible.rays, ~visible.hit
+
+        def seen() -> Colour:
+            colours = zip(_channels(sky.radiance(rays)), _channels(sky.sun_radiance(rays)), strict=True)
+            return tuple(jnp.where(above, dome + sun, 0.0) for dome, sun in colours)
+
+        return jax.lax.cond(jnp.any(above), seen, lambda: (jnp.zeros(above.shape, rays.dtype),) * 3)
+
+
+def _channels(colour: Float[Array, "rows columns 3"]) -> Colour:
+    return tuple(once(colour[..., i]) for i in range(3))
 
 
 @eqx.filter_jit
@@ -180,14 +201,21 @@ def _radiance(
 ) -> Array:
     scene = _Scene(ocean, fields.packed.real.dtype)
 
-    def shade(visible: Visible) -> Array:
-        total = scene.light(visible, scene.coverage(visible)).total
-        return jnp.where(visible.hit[..., None], total, 0.0) + scene.background(visible)
+    def shade(visible: Visible) -> Colour:
+        hit = visible.hit
 
-    image, edges = map_visible(
+        def sea() -> Colour:
+            total = _channels(scene.light(visible, once(scene.coverage(visible))).total)
+            return tuple(jnp.where(hit, each, 0.0) for each in total)
+
+        # Bands without sea, or without sky, cost no more than the other half.
+        below = jax.lax.cond(jnp.any(hit), sea, lambda: (jnp.zeros_like(visible.depth),) * 3)
+        return tuple(a + b for a, b in zip(below, scene.background(visible), strict=True))
+
+    channels, edges = map_visible(
         shade, fields, ocean.sea.cascade, camera, size, method=method, curvature=curvature
     )
-    return edges.blend(image)
+    return jnp.stack([edges.blend(each) for each in channels], axis=-1)
 
 
 @eqx.filter_jit
@@ -199,7 +227,7 @@ def _layers(
     def shade(visible: Visible) -> Layers:
         hit, strain = visible.hit, visible.strain
         covariance, coverage = scene.covariance(visible), scene.coverage(visible)
-        light, background = scene.light(visible, coverage), scene.background(visible)
+        light, background = scene.light(visible, coverage), jnp.stack(scene.background(visible), axis=-1)
 
         def sea(x: Array) -> Array:
             return jnp.where(hit.reshape(hit.shape + (1,) * (x.ndim - 2)), x, 0.0)

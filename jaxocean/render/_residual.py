@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._elementary import once
 from ..filtering._boxes import Levels
 from ._atlas import Atlas, level_of
 
@@ -42,7 +43,7 @@ class Residual(eqx.Module):
         first = float(np.floor(2 * np.log2(samples.min() / 2)))
         final = float(np.ceil(2 * np.log2(max(atlas.sizes))) + 1)
         nodes = int(STEPS_PER_OCTAVE * (final - first)) + 1
-        dtype = atlas.channels.dtype
+        dtype = atlas.dtype
         variance = jnp.exp2(jnp.linspace(first, final, nodes, dtype=dtype))
         table = jnp.zeros((9, nodes), dtype)
         for pattern, sample in enumerate(samples):
@@ -59,14 +60,15 @@ class Residual(eqx.Module):
         last = self.table.shape[1] - 1
         place = (jnp.log2(jnp.maximum(variance, 2.0**self.first)) - self.first) * STEPS_PER_OCTAVE
         place = jnp.clip(place, 0, last)
-        node = jnp.minimum(jax.lax.stop_gradient(place).astype(jnp.int32), last - 1)
-        share = place - node.astype(place.dtype)
+        whole = once(jnp.minimum(jax.lax.stop_gradient(jnp.floor(place)), last - 1))
+        node, share = whole.astype(jnp.int32), once(place - whole)
         wide = variance > 0
-        return tuple(
-            jnp.where(wide, row.at[node].get(mode="promise_in_bounds") * (1 - share), 0.0)
-            + jnp.where(wide, row.at[node + 1].get(mode="promise_in_bounds") * share, 0.0)
-            for row in self.table
-        )
+
+        def between(row: Float[Array, " node"]) -> Float[Array, "*b"]:
+            low, high = (row.at[node + i].get(mode="promise_in_bounds") for i in (0, 1))
+            return once(jnp.where(wide, low + share * (high - low), 0.0))
+
+        return tuple(between(row) for row in self.table)
 
 
 def _left_out(atlas: Atlas, pattern: int) -> Float[Array, "9 level"]:

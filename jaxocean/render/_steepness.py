@@ -33,7 +33,7 @@ class Steepness(eqx.Module):
         samples = np.asarray(atlas.sizes) / atlas.resolution
         first = float(np.floor(2 * np.log2(samples.min() / 2)))
         final = float(np.ceil(2 * np.log2(max(atlas.sizes))) + 1)
-        dtype = atlas.channels.dtype
+        dtype = atlas.dtype
         variance = jnp.exp2(
             jnp.linspace(first, final, int(STEPS_PER_OCTAVE * (final - first)) + 1, dtype=dtype)
         )

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from .._elementary import once
 from .._numerics import as_leaf
 from .._types import ScalarLike
 from ..filtering import Footprint, Moments, symmetric_matrix
@@ -218,8 +219,14 @@ def map_visible(
         hits = compute_apart(lambda: meet(mesh, triangle, rows), rows[0] >= 0)
         if not method.filtered:
             hits = hits._replace(variance=jnp.zeros_like(hits.variance))
-        seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
-        depth = hits.ahead / (camera.rays(size, rows) @ forward)
+
+        def look(hits=hits):
+            seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
+            return jax.tree.map(once, seen)
+
+        seen = compute_apart(look, jnp.any(hits.hit), 0.0)
+        rays = camera.rays(size, rows)
+        depth = hits.ahead / sum(rays[..., i] * forward[i] for i in range(3))
         visible = Visible(
             camera,
             size,

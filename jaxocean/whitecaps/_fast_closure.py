@@ -79,9 +79,15 @@ def _coverage(
 
     # A loop, for both levels in one program take XLA minutes. What does not change in it would be computed before it,
     # in pieces; so everything changes, by nothing.
+    # Element by element, for a loop over footprints is slow where each has its elements side by side.
+    means = [mean[..., i] for i in range(3)]
+    rows = [[covariance[..., max(i, j), min(i, j)] for j in range(3)] for i in range(3)]
+
     def add(which, total):
         nothing = 0.0 * which.astype(level.dtype)
-        form = _scaled(sound_form(mean + nothing, covariance + nothing))
+        moved = jnp.stack([each + nothing for each in means], axis=-1)
+        spread = jnp.stack([jnp.stack([each + nothing for each in row], axis=-1) for row in rows], axis=-2)
+        form = _scaled(sound_form(moved, spread))
         first = which == 0
         weight = jnp.where(level > 0, jnp.where(first, 1.0, -2.0), jnp.where(first, -1.0, 0.0))
         x = jnp.where(first, level, -FOLD * jnp.abs(level))

@@ -22,5 +22,8 @@ def footprint_statistics(moments: Moments, *, floor: FloatLike = FLOOR) -> Strai
     **Returns:** `StrainStatistics`, batched like the moments.
     """
     covariance = moments.strain_covariance
-    floored = covariance + jnp.asarray(floor, covariance.dtype) * jnp.eye(3, dtype=covariance.dtype)
-    return StrainStatistics(moments.strain_mean, floored)
+    least = jnp.asarray(floor, covariance.dtype)
+    # Element by element: on the CPU, XLA makes one loop over footprints of what is stacked and taken apart again.
+    raised = [[covariance[..., i, j] + (least if i == j else 0.0) for j in range(3)] for i in range(3)]
+    rows = [jnp.stack(row, axis=-1) for row in raised]
+    return StrainStatistics(moments.strain_mean, jnp.stack(rows, axis=-2))

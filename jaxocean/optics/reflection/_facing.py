@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._elementary import exponential, inverse_root, reciprocal
+from ..._elementary import exponential, inverse_root, once, reciprocal
 
 GRAZING = 1e-3
 """Least projected area [-] of the mean facet. A pixel's mean facet may be turned away although some of it is seen."""
@@ -48,12 +48,13 @@ def facing(
     across_y = xy * x + covariance[..., 1, 1] * y
     variance = jnp.maximum(x * across_x + y * across_y, 0.0) + SMOOTH
     mean = jnp.maximum(z - slope[..., 0] * x - slope[..., 1] * y, GRAZING)
-    inverse = inverse_root(variance)
+    # Many programs read what follows.
+    inverse = once(inverse_root(variance))
     deviation = variance * inverse
     ratio = mean * inverse
     density = normal_density(ratio)
-    below = _below(ratio, density)
-    area = mean * below + deviation * density
+    below = once(_below(ratio, density))
+    area = once(mean * below + deviation * density)
     return Facing(mean, deviation, ratio, (across_x * inverse, across_y * inverse), below, area)
 
 

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._elementary import inverse_root, reciprocal
+from ..._elementary import inverse_root, once, reciprocal
 from ..sky import AbstractSky
 from ._facing import facing
 from ._fresnel import AbstractFresnel
@@ -76,8 +76,8 @@ class LobeReflection(AbstractSkyReflection):
         spread = (turn_x * turn_x + turn_y * turn_y) * (2.0 - (seen.ratio + shift) * shift)
         # A facet that tilts by δ along the view turns the ray by 2δ, across it by 2δ cosω.
         variance = 2.0 * (spread * length + area * area * loose) / length
-        radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), variance)
-        return SkyReflection(reflectance, reflectance[..., None] * radiance)
+        radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), once(variance))
+        return SkyReflection(reflectance, _times(reflectance, radiance))
 
 
 class FacetReflection(AbstractSkyReflection):
@@ -132,7 +132,11 @@ class BrunetonReflection(AbstractSkyReflection):
         reflectance = bruneton_mean_fresnel(cosine, along)
         variance = 2.0 * (along + cosine * cosine * (total - along))
         radiance = sky.lobe_radiance(mirrored(to_viewer, x, y), variance)
-        return SkyReflection(reflectance, reflectance[..., None] * radiance)
+        return SkyReflection(reflectance, _times(reflectance, radiance))
+
+
+def _times(factor: Float[Array, "*b"], colour: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
+    return jnp.stack([factor * colour[..., i] for i in range(3)], axis=-1)
 
 
 def mirrored(

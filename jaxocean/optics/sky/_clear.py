@@ -13,7 +13,7 @@ from ..._types import Scalar
 from .._colour import XYZ_TO_SRGB, matching_weights
 from ._abstract import AbstractSky
 from ._beam import beam_irradiance
-from ._blur import ROWS
+from ._blur import ROWS, blurred_levels
 from ._lobes import lobe_mean
 from ._panorama import pixel_directions
 from ._quadrature import dome_irradiance
@@ -41,7 +41,7 @@ class AbstractClearSky(AbstractSky):
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:
         panorama = self.radiance(pixel_directions(ROWS, direction.dtype))
-        return lobe_mean(self.radiance(direction), panorama, direction, variance)
+        return lobe_mean(lambda: self.radiance(direction), blurred_levels(panorama), direction, variance)
 
     def irradiance(self) -> Float[Array, "3"]:
         return dome_irradiance(self.radiance, self.sun_azimuth)

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..._numerics import as_leaf, check_scalar, is_concrete
 from ..._types import Scalar
 from ._abstract import AbstractSky
+from ._blur import blurred_levels
 from ._colour_leaf import as_colour, check_colour
 from ._lobes import lobe_mean
 from ._panorama import look_up, place
@@ -71,7 +72,7 @@ class ImageSky(AbstractSky):
         return self.sun * visible_fraction(self.sun_elevation).astype(self.sun.dtype)
 
     def radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
-        upper = self._upper(direction.dtype)
+        upper = self.upper(direction.dtype)
         return look_up(upper, *place(direction, self.rotation))
 
     def sun_radiance(self, direction: Float[Array, "*b 3"]) -> Float[Array, "*b 3"]:
@@ -80,16 +81,19 @@ class ImageSky(AbstractSky):
     def lobe_radiance(
         self, direction: Float[Array, "*b 3"], variance: Float[Array, "*b"]
     ) -> Float[Array, "*b 3"]:
-        upper = self._upper(direction.dtype)
-        sharp = look_up(upper, *place(direction, self.rotation))
-        return lobe_mean(sharp, upper, direction, variance, self.rotation)
+        upper = self.upper(direction.dtype)
+
+        def sharp() -> Float[Array, "*b 3"]:
+            return look_up(upper, *place(direction, self.rotation))
+
+        return lobe_mean(sharp, blurred_levels(upper), direction, variance, self.rotation)
 
     def irradiance(self) -> Float[Array, "3"]:
-        upper = self._upper(self.image.dtype)
+        upper = self.upper(self.image.dtype)
         edges = np.sin(0.5 * np.pi * np.arange(upper.shape[0] + 1) / upper.shape[0]) ** 2
         return math.pi * jnp.asarray(np.diff(edges), upper.dtype) @ jnp.mean(upper, axis=1)
 
-    def _upper(self, dtype: jnp.dtype) -> Float[Array, "h w 3"]:
+    def upper(self, dtype: jnp.dtype) -> Float[Array, "h w 3"]:
         """The upper half of the image in units of radiance."""
         half = self.image[: self.image.shape[0] // 2]
         return (half * self.scale.astype(half.dtype)).astype(dtype)

@@ -1,27 +1,31 @@
 """The mean of a sky over round lobes, looked up in blurred panoramas."""
 
+from collections.abc import Callable
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..._elementary import once
 from ..._types import Scalar
-from ._blur import VARIANCES, blurred_levels
+from ._blur import VARIANCES
 from ._panorama import look_up, place
 
 
 def lobe_mean(
-    sharp: Float[Array, "*b 3"],
-    upper: Float[Array, "h w 3"],
+    sharp: Callable[[], Float[Array, "*b 3"]],
+    levels: Float[Array, "level y x 3"],
     direction: Float[Array, "*b 3"],
     variance: Float[Array, "*b"],
     rotation: Scalar | float = 0.0,
 ) -> Float[Array, "*b 3"]:
     """Mean radiance over Gaussian lobes; linear in the variance between the levels, constant above the widest.
 
-    **Arguments:** `sharp`: the radiance along the lobes' axes; `upper`: the upper half of the sky's panorama;
+    **Arguments:** `sharp`: gives the radiance along the lobes' axes, asked where a lobe is
+    narrower than the narrowest level; `levels`: of the sky's panorama, see `blurred_levels`;
     `direction`: the axes; `variance`: of each lobe [rad²]; `rotation`: of the panorama [rad].
     """
-    levels = blurred_levels(upper)
     count, rows = levels.shape[0], levels.shape[1]
     atlas = levels.reshape(count * rows, *levels.shape[2:])
     spot = place(direction, rotation)
@@ -29,9 +33,16 @@ def lobe_mean(
     spread = jnp.clip(variance.astype(direction.dtype), 0.0, variances[-1])
     # Level 0 is the sky itself, level k + 1 the k-th of the atlas.
     octave = jnp.floor(jnp.log2(jnp.maximum(spread, 1e-9) / variances[1]))
-    lower = jnp.clip(octave, -1.0, count - 2.0).astype(jnp.int32) + 1
-    share = (spread - variances[lower]) / (variances[lower + 1] - variances[lower])
-    narrow = look_up(atlas, *spot, jnp.maximum(lower - 1, 0), rows)
-    wide = look_up(atlas, *spot, lower, rows)
-    start = jnp.where((lower == 0)[..., None], sharp, narrow)
-    return start + share[..., None] * (wide - start)
+    level = once(jnp.clip(octave, -1.0, count - 2.0))
+    # The widths are powers of two of the first.
+    low, high = variances[1] * jnp.exp2(level), variances[1] * jnp.exp2(level + 1.0)
+    low = jnp.where(level < 0.0, 0.0, low)
+    share = once((spread - low) / (high - low))
+    narrow = look_up(atlas, *spot, jnp.maximum(level, 0.0), rows)
+    wide = look_up(atlas, *spot, level + 1.0, rows)
+    sharpest = jax.lax.cond(jnp.any(level < 0.0), sharp, lambda: jnp.zeros_like(direction))
+    channels = []
+    for k in range(3):
+        start = jnp.where(level < 0.0, sharpest[..., k], narrow[..., k])
+        channels.append(once(start + share * (wide[..., k] - start)))
+    return jnp.stack(channels, axis=-1)

@@ -4,8 +4,9 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
+from ..._elementary import once
 from ..._types import Scalar
 from ._angles import angle_between, azimuth_of
 
@@ -36,24 +37,31 @@ def look_up(
     texture: Float[Array, "y x 3"],
     down: Float[Array, "*b"],
     across: Float[Array, "*b"],
-    page: Int[Array, "*b"] | int = 0,
+    page: Float[Array, "*b"] | int = 0,
     rows: int | None = None,
 ) -> Float[Array, "*b 3"]:
     """Bilinear look-up. Columns wrap, rows stop half a pixel before the zenith and the horizon.
 
     **Arguments:** `texture`: one half panorama, or several below each other with `rows` rows each; `down`, `across`:
-    as from `place`; `page`: which one.
+    as from `place`; `page`: which one, a whole number.
     """
     count, columns = texture.shape[0] if rows is None else rows, texture.shape[1]
     v = jnp.clip(down * count - 0.5, 0.0, count - 1.0)
     u = across * columns - 0.5
     top, left = jnp.clip(jnp.floor(v), 0.0, max(count - 2.0, 0.0)), jnp.floor(u)
-    fv, fu = (v - top)[..., None], (u - left)[..., None]
-    row = top.astype(jnp.int32) + page * count
-    below = row + (1 if count > 1 else 0)
-    column = left.astype(jnp.int32) % columns
-    right = (column + 1) % columns
-    flat = texture.reshape(-1, 3)
-    upper = flat[row * columns + column] * (1.0 - fu) + flat[row * columns + right] * fu
-    lower = flat[below * columns + column] * (1.0 - fu) + flat[below * columns + right] * fu
-    return upper * (1.0 - fv) + lower * fv
+    fv, fu = once(v - top), once(u - left)
+    column = jnp.where(left < 0.0, columns - 1.0, jnp.minimum(left, columns - 1.0))
+    right = jnp.where(column + 1.0 < columns, column + 1.0, 0.0)
+    start = (top + jnp.asarray(page).astype(top.dtype) * count) * columns
+    # Whole numbers as floats: they are exact, and computed once for all channels.
+    west, east = (once(start + each).astype(jnp.int32) for each in (column, right))
+    below = columns if count > 1 else 0
+    channels = []
+    for k in range(3):
+        flat = texture[..., k].ravel()
+        a, b, c, d = (
+            flat.at[texel].get(mode="promise_in_bounds") for texel in (west, east, west + below, east + below)
+        )
+        upper, lower = a + fu * (b - a), c + fu * (d - c)
+        channels.append(upper + fv * (lower - upper))
+    return jnp.stack(channels, axis=-1)

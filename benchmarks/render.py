@@ -1,0 +1,163 @@
+"""A picture with new waves in each frame: time from low and high, its gradient, its memory, and how good it is."""
+
+import resource
+import time
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+import jaxocean as jo
+from experiments import schema
+from experiments.harness._loading import load
+from experiments.pictures import _scene
+from jaxocean import imagery, optics, render
+
+from ._fftw_frames import core_count
+from ._mitsuba_frame import frame_times, installed
+
+SIZE = (720, 1280)
+GRADIENT_SIZE = (180, 320)
+STEP = 1 / 32  # s between frames
+FINE = 8  # times as many rows and columns in the reference
+ALTITUDES = (2.0, 20.0, 200.0, 5000.0)  # m
+SCENES = ("gale_at_noon", "dupuy_scene6")
+TARGET, GRADIENT_TARGET, MEMORY_TARGET, QUALITY_TARGET = 150.0, 200.0, 2.0, 30.0  # ms, ms, GiB, dB
+
+
+def run(*, quick: bool = False) -> None:
+    """Print times, peak memory, and (not if `quick`) the gradient's time and the quality of the pictures."""
+    size, frames = ((90, 160), 3) if quick else (SIZE, 12)
+    config = _config(SCENES[0])
+    ocean, camera = _scene.ocean(config), _scene.camera(config.camera)
+    console = Console(width=110)
+    table = _table(
+        f"{size[1]}×{size[0]} pixels, 4×256² waves, float32, {core_count()} cores", "median ms", "best ms"
+    )
+    table.add_column("processor ms", justify="right")
+    table.add_column("target", justify="right")
+
+    start = time.perf_counter()
+    jax.block_until_ready(render.render(ocean, camera, 0.0, size))
+    first = time.perf_counter() - start
+    _row(table, "new waves", _times(lambda t: ocean.fields(t).packed, frames))
+    _row(table, "gale at noon, whole frame", _times(_frame(ocean, camera, size), frames), f"≤ {TARGET:g}")
+    for altitude in ALTITUDES:
+        above = render.Camera((0.0, 0.0, altitude), heading=2.7, pitch=0.4)
+        _row(table, f"the same sea from {altitude:g} m", _times(_frame(ocean, above, size), frames))
+    _peer(table, size, frames)
+    console.print(table)
+    # ru_maxrss is in kB on Linux.
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    console.print(f"First call, mostly compilation: {first:.1f} s.")
+    console.print(f"Peak memory of this process so far: {peak:.2f} GiB (target {MEMORY_TARGET:g}).")
+    if not quick:
+        _gradient(ocean, camera, frames, console)
+        _quality(console)
+
+
+def _config(name: str) -> schema.RenderConfig:
+    config = load(name).config
+    assert isinstance(config, schema.RenderConfig)
+    return config
+
+
+def _frame(ocean: jo.Ocean, camera: render.Camera, size: tuple[int, int]) -> Callable[[float], jax.Array]:
+    return lambda time: render.render(ocean, camera, time, size)
+
+
+def _times(work: Callable[[float], object], frames: int) -> tuple[list[float], float]:
+    """Milliseconds of each call, and the mean processor time of one, after two calls that are not counted."""
+    for number in range(2):
+        jax.block_until_ready(work(STEP * number))
+    samples, before = [], time.process_time()
+    for number in range(frames):
+        start = time.perf_counter()
+        jax.block_until_ready(work(STEP * (number + 2)))
+        samples.append(1e3 * (time.perf_counter() - start))
+    return samples, 1e3 * (time.process_time() - before) / frames
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title)
+    table.add_column("")
+    for column in columns:
+        table.add_column(column, justify="right")
+    return table
+
+
+def _row(table: Table, name: str, times: tuple[list[float], float], target: str = "") -> None:
+    samples, processor = times
+    table.add_row(name, f"{np.median(samples):.0f}", f"{min(samples):.0f}", f"{processor:.0f}", target)
+
+
+def _peer(table: Table, size: tuple[int, int], frames: int) -> None:
+    name = f"Mitsuba {installed()}, new heights and 1 noisy sample"
+    if installed() is None:
+        table.add_row("Mitsuba", "not installed", "", "", "")
+        return
+    found = frame_times(size, frames)
+    if found is None:
+        table.add_row(name, "does not run", "", "", "")
+        return
+    variant, samples = found
+    table.add_row(f"{name} ({variant})", f"{np.median(samples):.0f}", f"{min(samples):.0f}", "", "")
+
+
+def _gradient(ocean: jo.Ocean, camera: render.Camera, frames: int, console: Console) -> None:
+    """Time of the gradient of an L2 loss for ten parameters of the scene, in forward mode."""
+    cascade, noise = ocean.sea.cascade, jo.surface.draw_noise(ocean.sea.cascade, key=jax.random.key(0))
+    position = camera.position.astype(jnp.float32)
+
+    def picture(p: jax.Array) -> jax.Array:
+        sea = jo.surface.realise(
+            jo.spectra.Elfouhaily(jo.Wind(speed=p[0], direction=p[1])), cascade, noise=noise
+        )
+        scene = jo.Ocean(
+            sea,
+            choppiness=p[2],
+            threshold=p[3],
+            sky=optics.sky.HosekWilkie(p[4], 0.1, p[5], p[6]),
+            foam=optics.Foam(p[7]),
+        )
+        view = render.Camera(
+            position.at[2].set(p[8]), heading=camera.heading, pitch=p[9], field_of_view=camera.field_of_view
+        )
+        return render.render(scene, view, 0.0, GRADIENT_SIZE)
+
+    start = jnp.asarray([20.0, 0.0, 1.0, 0.72, 4.0, 1.0, 0.8, 0.22, 9.0, 0.12], jnp.float32)
+    target = jax.block_until_ready(eqx.filter_jit(picture)(1.02 * start))
+
+    @jax.jit
+    def gradient(p: jax.Array) -> jax.Array:
+        return jax.jacfwd(lambda q: jnp.mean(jnp.square(picture(q) - target)))(p)
+
+    before = time.perf_counter()
+    value = jax.block_until_ready(gradient(start))
+    first = time.perf_counter() - before
+    assert bool(jnp.all(jnp.isfinite(value)))
+    samples, processor = _times(lambda t: gradient(start * (1 + 1e-3 * t)), frames)
+    console.print(
+        f"Gradient of an L2 loss of {GRADIENT_SIZE[1]}×{GRADIENT_SIZE[0]} pixels for {start.size} parameters: "
+        f"{np.median(samples):.0f} ms, best {min(samples):.0f}, processor {processor:.0f} "
+        f"(target {GRADIENT_TARGET:g}); first call {first:.0f} s."
+    )
+
+
+def _quality(console: Console) -> None:
+    """How far pictures are from the mean of those with 64 times as many pixels."""
+    for name in SCENES:
+        config = _config(name)
+        ocean, camera = _scene.ocean(config), _scene.camera(config.camera)
+        picture = np.asarray(render.render(ocean, camera, config.time, SIZE))
+        fine = np.asarray(render.render(ocean, camera, config.time, (FINE * SIZE[0], FINE * SIZE[1])))
+        reference = fine.reshape(SIZE[0], FINE, SIZE[1], FINE, 3).mean(axis=(1, 3))
+        tone = imagery.Exposure(_scene.exposure(config.image, reference))
+        value = float(imagery.psnr(tone(jnp.asarray(picture)), tone(jnp.asarray(reference))))
+        console.print(
+            f"{name}: PSNR {value:.1f} dB against {FINE**2} times as many pixels (target {QUALITY_TARGET:g})."
+        )
