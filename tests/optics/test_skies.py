@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from _derivatives import assert_gradient_matches
 
-from jaxocean.optics.sky import SUN_RADIUS, AbstractSky, ConstantSky, HosekWilkie, ImageSky, bake
+from jaxocean.optics.sky import SUN_RADIUS, AbstractSky, ConstantSky, HosekWilkie, ImageSky, Mirror, bake
 from jaxocean.optics.sky._blur import VARIANCES
 
 
@@ -238,3 +238,20 @@ def test_lobes_of_a_clear_sky_are_differentiable_in_the_suns_elevation():
 def test_skies_that_cannot_be_are_refused_in_words(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_a_mirror_answers_as_its_panorama_does():
+    image = np.random.default_rng(3).uniform(0.1, 1.0, (16, 32, 3))
+    sky = ImageSky(image, 0.4, 1.7, 2.0, 0.5, 1.0)
+    mirror = Mirror.of_sky(sky)
+    around, variance = jnp.asarray(directions(60)), jnp.asarray(np.geomspace(1e-4, 1.0, 60))
+    np.testing.assert_allclose(look(mirror, around), look(sky, around), rtol=1e-12)
+    np.testing.assert_allclose(
+        look_wide(mirror, around, variance), look_wide(sky, around, variance), rtol=1e-12
+    )
+    np.testing.assert_allclose(mirror.irradiance(), sky.irradiance(), rtol=1e-12)
+    np.testing.assert_array_equal(mirror.sun_direction, sky.sun_direction)
+    np.testing.assert_array_equal(mirror.sun_irradiance, sky.sun_irradiance)
+    toward = sky.sun_direction[None]
+    assert float(mirror.sun_radiance(toward)[0, 0]) > 0
+    np.testing.assert_array_equal(mirror.sun_radiance(toward), sky.sun_radiance(toward))
