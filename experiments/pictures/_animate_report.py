@@ -8,9 +8,9 @@ import numpy as np
 import jaxocean as jo
 
 from .. import schema
-from ..common import _build
 from ..common._markdown import page
 from ..harness._result import Result, Table
+from . import _scene
 from ._flicker import flicker, relative_flicker
 from ._frames import Frames
 from ._path import Path
@@ -62,7 +62,7 @@ def collect(
             for name, sequence in compared.items()
             if reference is not None and name != "supersampled"
         },
-        notes=_build.unresolved_breaking(ocean.sea.cascade, config.breaking_wavenumber),
+        notes=_scene.limits(config, ocean),
     )
 
 

@@ -33,6 +33,12 @@ def ocean(config: schema.SceneConfig) -> jo.Ocean:
     )
 
 
+def limits(config: schema.SceneConfig, ocean: jo.Ocean) -> list[str]:
+    """Notes for pictures of a sea that the grid, or the spectrum, was not made for."""
+    notes = _build.outside_validity(config.spectrum, config.wind)
+    return notes + _build.unresolved_breaking(ocean.sea.cascade, config.breaking_wavenumber)
+
+
 def _water(config: schema.WaterConfig) -> optics.AbstractWater:
     if config.colour is None:
         return optics.Water(config.chlorophyll)

@@ -9,7 +9,6 @@ import jaxocean as jo
 from jaxocean import render
 
 from .. import schema
-from ..common import _build
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -65,7 +64,7 @@ def run(config: schema.FlyoverConfig, progress: Reporter, store: Files) -> Resul
     plane = float(ocean.coverage())
     _flyover_views.plot(store, levels, plane)
     _flyover_views.save(store, levels, plane)
-    notes = _build.unresolved_breaking(ocean.sea.cascade, config.breaking_wavenumber)
+    notes = _scene.limits(config, ocean)
     result = _flyover_report.result(config, levels, plane, notes)
     store.text("report.md", _flyover_report.report(config, levels, plane, result))
     return result

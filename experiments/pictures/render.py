@@ -8,7 +8,6 @@ from jaxocean import render
 from jaxocean.io import layer, write_exr, write_png
 
 from .. import schema
-from ..common import _build
 from ..common._markdown import page
 from ..harness._files import Files
 from ..harness._progress import Reporter
@@ -76,7 +75,7 @@ def _report(
             ("exposure", exposure, "-"),
         ),
     )
-    notes = _build.unresolved_breaking(ocean.sea.cascade, config.breaking_wavenumber)
+    notes = _scene.limits(config, ocean)
     words = (
         f"U10 = {config.wind.speed:g} m/s, seen from {config.camera.position[2]:g} m: {100 * share:.3g} % of the "
         f"picture is sea, and {100 * seen:.3g} % of that is foam; on the whole plane it is {100 * plane:.3g} %."
