@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt
 
+from .._elementary import take_together
 from ._footprint import LEAST_SHARPNESS
 from ._mesh import Mesh
 from ._raster import EMPTY
@@ -73,12 +74,12 @@ def meet(mesh: Mesh, triangle: UInt[Array, "rows columns"], rows: Float[Array, "
     dtype = mesh.offset.dtype
     vertices = triangle_vertices(jnp.where(hit, triangle, jnp.uint32(0)), mesh.offset.shape[1])
     table = (*mesh.screen, mesh.offset[..., 0], mesh.offset[..., 1], mesh.sharpness, mesh.area)
-    flat = [values.ravel() for values in table]
+    flat = tuple(values.ravel() for values in table)
     px = jnp.arange(columns, dtype=dtype) + 0.5
     py = (rows + 0.5)[:, None]
 
     def corner(vertex: Int[Array, "rows columns"]) -> Corner:
-        x, y, ahead, *others = (values.at[vertex].get(mode="promise_in_bounds") for values in flat)
+        x, y, ahead, *others = take_together(flat, vertex)
         sign = jnp.where(ahead > 0, 1.0, -1.0).astype(dtype)
         return Corner(x - px * sign, y - py * sign, ahead, *others)
 
@@ -112,7 +113,9 @@ def _interpolate(hit: Bool[Array, "rows columns"], corners: tuple[Corner, Corner
     ahead = jnp.maximum(mean([c.ahead for c in corners]), NEAREST)
     # Linear on the screen, as it is on a plane.
     sharpness = mean([c.sharpness * jnp.abs(c.ahead) for c in corners]) / ahead
-    variance = jnp.minimum(1 / jnp.maximum(sharpness, LEAST_SHARPNESS) ** 4, 1 / LEAST_SHARPNESS**4)
+    # The square of a square: the derivative of a fourth power would leave single precision.
+    width = jnp.square(1 / jnp.maximum(sharpness, LEAST_SHARPNESS))
+    variance = jnp.square(width)
     return Hits(
         hit,
         jnp.where(hit, ahead, 1.0),

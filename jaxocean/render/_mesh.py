@@ -9,7 +9,7 @@ from .._elementary import once
 from .._types import Scalar
 from ..surface import Cascade, Fields
 from ._atlas import Atlas
-from ._bands import cut, join
+from ._bands import band_count, cut, join
 from ._camera import Camera
 from ._footprint import LEAST_SHARPNESS, filter_variance
 from ._planet import wrap
@@ -18,6 +18,12 @@ from ._raster import Screen
 
 EDGE_ON = 0.02
 """Sine of the angle under which a surface counts as seen edge on."""
+
+OUT_OF_SIGHT = 1e6
+"""Distance [pixels] from the image beyond which vertices are taken to lie there."""
+
+WIDEST = 1e9
+"""Largest edge [m] of a footprint: its fourth power is a number in single precision."""
 
 
 class Mesh(eqx.Module):
@@ -51,7 +57,9 @@ def displaced_mesh(
     sees them as slopes: drawn with too few vertices they would flicker.
     """
     centre = camera.position[:2]
-    x, y, variance = (cut(v) for v in (grid.offset[..., 0], grid.offset[..., 1], grid.spacing**2 / 12))
+    bands = band_count((grid.offset.shape[0], grid.offset.shape[1]))
+    points = (grid.offset[..., 0], grid.offset[..., 1], grid.spacing**2 / 12)
+    x, y, variance = (cut(each, bands) for each in points)
     u, v, height = jax.tree.map(join, jax.lax.map(lambda band: atlas(centre, *band), (x, y, variance)))
     offset = tuple(once(grid.offset[..., i]) for i in (0, 1))
     moved = once(offset[0] + u), once(offset[1] + v)
@@ -76,16 +84,18 @@ def _sharpness(offset: tuple[Float[Array, "row column"], ...], screen: Screen) -
     finite differences.
     """
     (ux, uy), (vx, vy) = _along(offset[0]), _along(offset[1])
-    (xx, xy), (yx, yy) = _along(screen.x), _along(screen.y)
-    area = xx * yy - xy * yx
+    # Vertices that nobody sees, beside the pinhole or beyond the horizon, must have finite derivatives too: going back,
+    # even nothing times infinity is no number.
+    (xx, xy), (yx, yy) = (
+        _along(jnp.clip(each, -OUT_OF_SIGHT, OUT_OF_SIGHT)) for each in (screen.x, screen.y)
+    )
+    extent = xx * xx + xy * xy + yx * yx + yy * yy + 1e-10
+    share = (xx * yy - xy * yx) / extent
     # Where the surface is seen edge on, a pixel's footprint has no bound.
-    least = EDGE_ON * (xx * xx + xy * xy + yx * yx + yy * yy) + 1e-12
-    inverse = area / (area * area + least * least)
-    axes = (
-        (ux * yy - uy * yx) * inverse,
-        (uy * xx - ux * xy) * inverse,
-        (vx * yy - vy * yx) * inverse,
-        (vy * xx - vx * xy) * inverse,
+    inverse = share / (share * share + EDGE_ON**2) / extent
+    axes = tuple(
+        jnp.clip(axis * inverse, -WIDEST, WIDEST)
+        for axis in (ux * yy - uy * yx, uy * xx - ux * xy, vx * yy - vy * yx, vy * xx - vx * xy)
     )
     widest = LEAST_SHARPNESS**-4
     variance = jnp.clip(filter_variance(axes), 1e-12, widest)

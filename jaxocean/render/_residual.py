@@ -6,9 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._elementary import once
+from .._elementary import once, take_together
 from ..filtering._boxes import Levels
-from ._atlas import Atlas, level_of
+from ._atlas import Atlas
+from ._look_up import level_of
 
 STEPS_PER_OCTAVE = 4
 """Nodes of the table for each factor of two in variance."""
@@ -64,11 +65,9 @@ class Residual(eqx.Module):
         node, share = whole.astype(jnp.int32), once(place - whole)
         wide = variance > 0
 
-        def between(row: Float[Array, " node"]) -> Float[Array, "*b"]:
-            low, high = (row.at[node + i].get(mode="promise_in_bounds") for i in (0, 1))
-            return once(jnp.where(wide, low + share * (high - low), 0.0))
-
-        return tuple(between(row) for row in self.table)
+        lower, upper = (take_together(tuple(self.table), node + i) for i in (0, 1))
+        between = (low + share * (high - low) for low, high in zip(lower, upper, strict=True))
+        return tuple(once(jnp.where(wide, each, 0.0)) for each in between)
 
 
 def _left_out(atlas: Atlas, pattern: int) -> Float[Array, "9 level"]:

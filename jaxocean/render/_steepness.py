@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..filtering._boxes import Levels
-from ._atlas import Atlas, level_of
+from ._atlas import Atlas
+from ._look_up import level_of
 
 STEPS_PER_OCTAVE = 4
 """Nodes of the table for each factor of two in variance."""

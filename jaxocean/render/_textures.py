@@ -64,6 +64,29 @@ def read(texels: Float[Array, " texel"], start: int, spot: Spot) -> Float[Array,
     return south + spot.north * (row(spot.stride) - south)
 
 
+def slopes(
+    texels: Float[Array, " texel"], spot: Spot
+) -> tuple[Float[Array, "*b"], Float[Array, "*b"], Float[Array, "*b"]]:
+    """`read` from one texture, and how fast that changes with the shares `east` and `north`."""
+
+    def texel(offset: int) -> Float[Array, "*b"]:
+        return texels.at[spot.texel + offset].get(mode="promise_in_bounds")
+
+    a, b, c, d = (texel(offset) for offset in (0, 1, spot.stride, spot.stride + 1))
+    south, north = b - a, d - c
+    upwards = (c - a) + spot.east * (north - south)
+    return a + spot.east * south + spot.north * upwards, south + spot.north * (north - south), upwards
+
+
+def corners(spot: Spot) -> list[tuple[Int[Array, "*b"], Float[Array, "*b"]]]:
+    """The four texels around a spot, and the weight of each."""
+    east, north = spot.east, spot.north
+    shares = ((1 - east) * (1 - north), east * (1 - north), (1 - east) * north, east * north)
+    return [
+        (spot.texel + i, share) for i, share in zip((0, 1, spot.stride, spot.stride + 1), shares, strict=True)
+    ]
+
+
 class Pairs(eqx.Module):
     """Textures of 16 bits, each texel with its neighbour to the east in one number: half as many are read.
 

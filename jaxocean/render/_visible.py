@@ -15,7 +15,7 @@ from ..filtering import Footprint, Moments, symmetric_matrix
 from ..surface import Cascade, Fields
 from ..surface.fft._apart import compute_apart
 from ..whitecaps import StrainStatistics, footprint_statistics
-from ._bands import cut, join
+from ._bands import band_count, cut, join
 from ._bounds import Bounds
 from ._camera import Camera, check_size
 from ._edges import Edges
@@ -241,7 +241,9 @@ def map_visible(
         )
         return shade(visible), jnp.where(hits.hit, hits.ahead, jnp.inf)
 
-    shaded, ahead = jax.lax.map(one, (cut(triangle), cut(jnp.arange(size[0], dtype=dtype))))
+    bands = band_count(size)
+    rows = jnp.arange(size[0], dtype=dtype)
+    shaded, ahead = jax.lax.map(one, (cut(triangle, bands), cut(rows, bands)))
     return jax.tree.map(join, shaded), find_silhouettes(mesh.screen, join(ahead))
 
 

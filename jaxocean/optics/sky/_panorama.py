@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._elementary import once
+from ..._elementary import once, take_together
 from ..._types import Scalar
 from ._angles import angle_between, azimuth_of
 
@@ -56,12 +56,10 @@ def look_up(
     # Whole numbers as floats: they are exact, and computed once for all channels.
     west, east = (once(start + each).astype(jnp.int32) for each in (column, right))
     below = columns if count > 1 else 0
+    flat = tuple(texture[..., k].ravel() for k in range(3))
+    around = [take_together(flat, texel) for texel in (west, east, west + below, east + below)]
     channels = []
-    for k in range(3):
-        flat = texture[..., k].ravel()
-        a, b, c, d = (
-            flat.at[texel].get(mode="promise_in_bounds") for texel in (west, east, west + below, east + below)
-        )
+    for a, b, c, d in zip(*around, strict=True):
         upper, lower = a + fu * (b - a), c + fu * (d - c)
         channels.append(upper + fv * (lower - upper))
     return jnp.stack(channels, axis=-1)
