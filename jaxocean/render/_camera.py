@@ -9,7 +9,9 @@ from jaxtyping import Array, Float
 
 from .._numerics import as_leaf, check_scalar, is_concrete, safe_angle, safe_norm
 from .._types import PerPattern, Scalar, ScalarLike
-from ..surface import Sea
+from ..surface import Fields, Sea
+from ..surface.fft._points import reduce_points
+from ._bounds import highest_over
 
 WIDEST = 3.0
 """Largest vertical field of view [rad]."""
@@ -155,16 +157,23 @@ def check_size(size: tuple[int, int]) -> tuple[int, int]:
     return size
 
 
-def check_above(camera: Camera, sea: Sea, time: ScalarLike, choppiness: PerPattern = 1.0) -> None:
+def check_above(
+    camera: Camera, sea: Sea, time: ScalarLike, choppiness: PerPattern = 1.0, fields: Fields | None = None
+) -> None:
     """Raise unless the camera is above the water over which it stands, however that is displaced.
 
-    **Arguments:** `time` t [s]; `choppiness` λ [-]. The waves are summed exactly at this one place.
+    **Arguments:** `time` t [s]; `choppiness` λ [-]; `fields` at that time, if they are there. Unless they show that no
+    water can be so high nearby, the waves are summed exactly at this one place.
 
     **Raises:** `ValueError` if the camera is under water or inside a crest.
     """
-    place = np.asarray(camera.position[:2], np.float64)
+    *place, height = np.asarray(camera.position, np.float64)
+    place = np.asarray(place)
+    if fields is not None:
+        where = reduce_points(place, sea.cascade, fields.packed.real.dtype)
+        if height > float(highest_over(fields, sea.cascade, where)):
+            return
     water = float(sea.height_at(place, time, choppiness))
-    height = float(camera.position[2])
     if not height > water:
         raise ValueError(
             f"Argument `camera` must be above the water, but is at a height of {height:g} m where the water is at "

@@ -21,12 +21,18 @@ class Edges(eqx.Module):
     def blend(self, image: Float[Array, "rows columns *c"]) -> Float[Array, "rows columns *c"]:
         """The image with each silhouette's pixel mixed by the area on both of its sides."""
         extra = (1,) * (image.ndim - 2)
-        left, right = image[:, :-1], image[:, 1:]
         across = self.across.reshape(self.across.shape + extra)
-        change = right - left
-        result = image.at[:, 1:].add(-jnp.maximum(across, 0) * change)
-        result = result.at[:, :-1].add(jnp.maximum(-across, 0) * change)
         down = self.down.reshape(self.down.shape + extra)
-        change = image[1:] - image[:-1]
-        result = result.at[1:].add(-jnp.maximum(down, 0) * change)
-        return result.at[:-1].add(jnp.maximum(-down, 0) * change)
+        return image + _mixed(image, across, 1) + _mixed(image, down, 0)
+
+
+def _mixed(
+    image: Float[Array, "rows columns *c"], place: Float[Array, "some more *c"], axis: int
+) -> Float[Array, "rows columns *c"]:
+    """What each pixel gets from its two neighbours along an axis: one loop over all pixels, with nothing updated."""
+    change = jnp.diff(image, axis=axis)
+
+    def wider(values, before: int, after: int):
+        return jnp.pad(values, [(before, after) if i == axis else (0, 0) for i in range(values.ndim)])
+
+    return wider(jnp.maximum(-place, 0) * change, 0, 1) - wider(jnp.maximum(place, 0) * change, 1, 0)

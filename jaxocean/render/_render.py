@@ -133,10 +133,10 @@ SMALLEST_AREA = 1e-3
 
 def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
     check_size(size)
-    if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
-        check_above(camera, ocean.sea, time, ocean.choppiness)
     # A plain number for the time keeps its double precision, and compiles nothing anew.
     fields = ocean.fields(time)
+    if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
+        check_above(camera, ocean.sea, time, ocean.choppiness, fields)
     return ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature)
 
 

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt
 
+from .._elementary import once
 from ._edges import Edges
 from ._raster import EMPTY, Screen
 
@@ -59,7 +60,8 @@ def find_silhouettes(screen: Screen, ahead: Float[Array, "rows columns"]) -> Edg
     flat = _side(held.y, held.x, (columns, rows), lines, steeper=True)
     across = _nearest(steep, lines, held.ahead, closeness)
     down = _nearest(flat, lines, held.ahead, closeness.T)
-    return Edges(_place(across, lines, x, y), _place(down, lines, y, x).T)
+    # Once, or each channel of the image would look for them again.
+    return Edges(once(_place(across, lines, x, y)), once(_place(down, lines, y, x).T))
 
 
 def _lines(screen: Screen) -> _Lines:

@@ -15,6 +15,9 @@ from ._contour import integrate
 from ._quadratic_form import Form, moments, sound_form
 from ._statistics import StrainStatistics
 
+FARTHEST = 7.0
+"""Standard deviations of j below its mean beyond which nothing is left of its distribution."""
+
 SMALLEST = 1e-12
 """Least variance of j: below it W is a step all the same."""
 
@@ -77,23 +80,35 @@ def _coverage(
     if measure == "rest":
         return jnp.clip(_below(_scaled(sound_form(mean, covariance)), level, nodes, moment=False), 0.0, 1.0)
 
-    # A loop, for both levels in one program take XLA minutes. What does not change in it would be computed before it,
-    # in pieces; so everything changes, by nothing.
     # Element by element, for a loop over footprints is slow where each has its elements side by side.
     means = [mean[..., i] for i in range(3)]
     rows = [[covariance[..., max(i, j), min(i, j)] for j in range(3)] for i in range(3)]
+    levels = (level, -FOLD * jnp.abs(level))
+    # Most bands of a picture hold no fold, and many no foam: what no footprint has is not computed.
+    _, expected, deviation, _ = jax.lax.stop_gradient(_form(means, rows, 0.0))
+    needed = jnp.stack([jnp.any(expected - x < FARTHEST * deviation) for x in levels])
 
+    # A loop, for both levels in one program take XLA minutes. What does not change in it would be computed before it,
+    # in pieces; so everything changes, by nothing.
     def add(which, total):
-        nothing = 0.0 * which.astype(level.dtype)
-        moved = jnp.stack([each + nothing for each in means], axis=-1)
-        spread = jnp.stack([jnp.stack([each + nothing for each in row], axis=-1) for row in rows], axis=-2)
-        form = _scaled(sound_form(moved, spread))
         first = which == 0
         weight = jnp.where(level > 0, jnp.where(first, 1.0, -2.0), jnp.where(first, -1.0, 0.0))
-        x = jnp.where(first, level, -FOLD * jnp.abs(level))
-        return total + weight * _below(form, x, nodes, moment=True)
+
+        def some() -> Float[Array, "*b"]:
+            form = _form(means, rows, 0.0 * which.astype(level.dtype))
+            x = jnp.where(first, *levels)
+            return total + weight * _below(form, x, nodes, moment=True)
+
+        return jax.lax.cond(needed[which], some, lambda: total)
 
     return jnp.maximum(jax.lax.fori_loop(0, 2, add, jnp.zeros_like(level)), 0.0)
+
+
+def _form(means: list[Array], rows: list[list[Array]], nothing: Array | float) -> tuple:
+    """The scaled form of the strain's means and covariances, to each of which `nothing` is added."""
+    moved = jnp.stack([each + nothing for each in means], axis=-1)
+    spread = jnp.stack([jnp.stack([each + nothing for each in row], axis=-1) for row in rows], axis=-2)
+    return _scaled(sound_form(moved, spread))
 
 
 def _scaled(form: Form) -> tuple[Form, Float[Array, "*b"], Float[Array, "*b"], Float[Array, "*b"]]:
