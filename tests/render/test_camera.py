@@ -8,6 +8,8 @@ from _derivatives import assert_gradient_matches
 
 import jaxocean as jo
 from jaxocean.render import Camera, check_above
+from jaxocean.render._bounds import highest_over
+from jaxocean.surface.fft._points import reduce_points
 
 SIZE = (90, 160)
 
@@ -99,6 +101,20 @@ def test_a_camera_under_water_is_refused_and_one_just_above_is_not():
     sea = jo.surface.realise(spectrum, jo.surface.Cascade((100.0,), 32), key=jax.random.key(0))
     place = np.array([12.0, 7.0])
     water = float(sea.height_at(place, 2.0, 1.2))
-    check_above(Camera((*place, water + 1e-3)), sea, 2.0, 1.2)
-    with pytest.raises(ValueError, match="above the water"):
-        check_above(Camera((*place, water - 1e-3)), sea, 2.0, 1.2)
+    fields = sea.fields(2.0, 1.2)
+    for known in (None, fields):
+        check_above(Camera((*place, water + 1e-3)), sea, 2.0, 1.2, known)
+        with pytest.raises(ValueError, match="above the water"):
+            check_above(Camera((*place, water - 1e-3)), sea, 2.0, 1.2, known)
+
+
+def test_no_water_is_higher_than_its_bound_and_the_bound_knows_where_crests_are():
+    cascade = jo.surface.Cascade((100.0, 13.0), 32)
+    sea = jo.surface.realise(jo.spectra.Elfouhaily(jo.Wind(speed=9.0)), cascade, key=jax.random.key(1))
+    fields = sea.fields(2.0, 1.2)
+    places = np.random.default_rng(0).uniform(-300.0, 300.0, (200, 2))
+    water = np.asarray(sea.height_at(places, 2.0, 1.2))
+    bounds = np.array([highest_over(fields, cascade, reduce_points(p, cascade, np.dtype(float))) for p in places])
+    assert np.all(bounds > water)
+    highest = float(jnp.sum(jnp.max(fields.height, axis=(-2, -1))))
+    assert bounds.min() < 0.5 * highest
