@@ -26,8 +26,11 @@ PROGRAM = (sys.executable, str(Path(_sweep_toys.__file__)), "sweep", "runs.yaml"
 
 CLUSTER = """
 import sys
+import dask
 from distributed import LocalCluster
 if __name__ == "__main__":
+    # By default four workers must die before a task is blamed; to start each of them again takes seconds.
+    dask.config.set({"distributed.scheduler.allowed-failures": 1})
     options = {"processes": True, "threads_per_worker": 1, "dashboard_address": None}
     with LocalCluster(n_workers=int(sys.argv[1]), **options) as cluster:
         print(cluster.scheduler_address, flush=True)
@@ -74,7 +77,7 @@ def sweep(folder: Path, *arguments: str) -> subprocess.CompletedProcess:
         env={**os.environ, "PYTHONPATH": PATHS, "JAXOCEAN_CACHE": "off"},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=False,
     )
 
