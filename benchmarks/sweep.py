@@ -55,19 +55,23 @@ def run(*, quick: bool = False) -> None:
 
 def _bare(points: int) -> float:
     """Points per second of the same function, vmapped and compiled, called again and again."""
-    config = schema.CoverageConfig()
     with jax.enable_x64(True):
-        program = jax.jit(jax.vmap(lambda numbers: measure(with_numbers(config, numbers))))
         random = np.random.default_rng(0)
         low, high = np.array([[float(x) for x in v.partition("=")[2].split(":")] for v in VALUES]).T
         batches = [
             dict(zip(KEYS, (low + (high - low) * random.random((BATCH, len(KEYS)))).T, strict=True))
             for _ in range(max(2, points // BATCH))
         ]
-        jax.block_until_ready(program(batches[0]))
+        jax.block_until_ready(_coverage(batches[0]))
         began = time.perf_counter()
-        jax.block_until_ready([program(batch) for batch in batches])
+        jax.block_until_ready([_coverage(batch) for batch in batches])
         return len(batches) * BATCH / (time.perf_counter() - began)
+
+
+@jax.jit
+@jax.vmap
+def _coverage(numbers: dict[str, jax.Array]) -> dict[str, jax.Array]:
+    return measure(with_numbers(schema.CoverageConfig(), numbers))
 
 
 def _swept(points: int, workers: int, folder: Path) -> tuple[float, float]:

@@ -3,11 +3,12 @@
 import os
 from pathlib import Path
 
+from _compiler import QUICK
+
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
-# Tests wait for the compiler, not for what it compiles: XLA's older code generator takes a third less of that time, for
-# programs that run slower. XLA_FLAGS=--xla_cpu_use_fusion_emitters=true tests what users run, as commands always do.
-os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false")
+# XLA_FLAGS=--xla_cpu_use_fusion_emitters=true tests what users run, as most commands do that tests start.
+os.environ.setdefault("XLA_FLAGS", QUICK)
 
 import jax
 import pytest
@@ -15,7 +16,7 @@ from jaxtyping import install_import_hook
 
 # The compiler reads its flags once; commands that tests start shall not inherit ours.
 jax.block_until_ready(jax.numpy.zeros(()) + 1)
-if os.environ["XLA_FLAGS"] == "--xla_cpu_use_fusion_emitters=false":
+if os.environ["XLA_FLAGS"] == QUICK:
     del os.environ["XLA_FLAGS"]
 
 jax.config.update("jax_enable_x64", True)

@@ -9,6 +9,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from _compiler import QUICK
 
 PROJECT = Path(__file__).resolve().parent.parent
 PYPROJECT = tomllib.loads((PROJECT / "pyproject.toml").read_text())
@@ -63,7 +64,12 @@ def jaxocean(installed: Path, cwd: Path, *arguments: str) -> subprocess.Complete
     return subprocess.run(
         [sys.executable, "-W", "error", "-c", program, *arguments],
         cwd=cwd,
-        env={**os.environ, "PYTHONPATH": str(installed), "JAXOCEAN_CACHE": str(cwd / "cache")},
+        env={
+            "XLA_FLAGS": QUICK,
+            **os.environ,
+            "PYTHONPATH": str(installed),
+            "JAXOCEAN_CACHE": str(cwd / "cache"),
+        },
         capture_output=True,
         text=True,
         timeout=600,

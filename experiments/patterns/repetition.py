@@ -121,7 +121,7 @@ def _repeat(
     config: schema.RepetitionConfig,
 ) -> Repetition:
     distance = np.arange(0.0, config.reach, config.step)
-    energy, curves = _correlate(spectrum, cascade, distance, config.breaking_wavenumber)
+    heights, curves, strain, strains = _correlate(spectrum, cascade, distance, config.breaking_wavenumber)
     far = distance > PEAK_WAVES * peak
     highest = {}
     for i, what in enumerate(("height", "jacobian")):
@@ -130,22 +130,15 @@ def _repeat(
         near = float(both[:, far & (distance < NEAR)].max(initial=0.0))
         highest[what] = (float(both[axis, place]), float(distance[place]), int(axis), near)
     _, lag, axis, _ = highest["jacobian"]
-    patterns = jo.surface.strain_autocovariance(
-        energy,
-        cascade,
-        np.array([0.0, lag]),
-        breaking_wavenumber=config.breaking_wavenumber,
-        axis=axis,
-    )
-    again, coverage = _again(jnp.sum(patterns, 0), config)
-    heights = jnp.sum(energy, (1, 2))
-    strains = StrainStatistics(jnp.zeros((cascade.count, 3)), patterns[:, 0]).jacobian_variance()
+    # Both points of a pair on the same axis: the other one's sum is rounded otherwise.
+    along = np.asarray(strain, np.float64)[axis]
+    again, coverage = _again((along[0], along[np.searchsorted(distance, lag)]), config)
     bins = max(1, round(BIN / config.step))
     return Repetition(
         name=name,
         cascade=cascade,
-        height_shares=np.asarray(heights / jnp.sum(heights)),
-        jacobian_shares=np.asarray(strains / jnp.sum(strains)),
+        height_shares=_shares(heights),
+        jacobian_shares=_shares(strains),
         height=highest["height"],
         jacobian=highest["jacobian"],
         again=again,
@@ -154,6 +147,11 @@ def _repeat(
         height_curve=_binned(np.asarray(curves[0][0]), bins, np.max),
         jacobian_curve=_binned(np.asarray(curves[1][0]), bins, np.max),
     )
+
+
+def _shares(parts: Float[Array, " n"]) -> np.ndarray:
+    parts64 = np.asarray(parts, np.float64)
+    return parts64 / parts64.sum()
 
 
 def _binned(values: np.ndarray, size: int, of) -> np.ndarray:
@@ -167,28 +165,42 @@ def _correlate(
     cascade: jo.surface.Cascade,
     distance: Float[np.ndarray, " r"],
     breaking_wavenumber: float | None,
-) -> tuple[Float[Array, "pattern y x"], tuple[Float[Array, "2 r"], Float[Array, "2 r"]]]:
-    """Energies of the waves; autocorrelations of the height and of the Jacobian (λ = 1) along both axes."""
+) -> tuple[
+    Float[Array, " pattern"],
+    tuple[Float[Array, "2 r"], Float[Array, "2 r"]],
+    Float[Array, "2 r 3 3"],
+    Float[Array, " pattern"],
+]:
+    """How the sea resembles itself along both axes, and what each pattern has of it (λ = 1).
+
+    **Returns:** variances of the height; autocorrelations of the height and of the Jacobian; autocovariance of the
+    strain; variances of the Jacobian.
+    """
     energy = jo.surface.cell_energy(spectrum, cascade)
     # In single precision but for the distances: enough for a correlation, and twice as fast.
     rough = energy.astype(jnp.float32)
-    heights, strains = [], []
+    heights, strains, variances = [], [], []
     for axis in (0, 1):
         heights.append(jnp.sum(jo.surface.autocovariance(rough, cascade, distance, axis=axis), 0))
         covariance = jo.surface.strain_autocovariance(
             rough, cascade, distance, breaking_wavenumber=breaking_wavenumber, axis=axis
         )
-        total = jnp.sum(covariance, 0)
-        strains.append(StrainStatistics(jnp.zeros_like(total[..., 0]), total).jacobian_variance())
-    height, j = jnp.stack(heights), jnp.stack(strains)
-    return energy, (height / height[:, :1], j / j[:, :1])
+        strains.append(jnp.sum(covariance, 0))
+        variances.append(_jacobian_variance(covariance[:, 0]))
+    height, strain = jnp.stack(heights), jnp.stack(strains)
+    j = _jacobian_variance(strain)
+    return jnp.sum(energy, (1, 2)), (height / height[:, :1], j / j[:, :1]), strain, variances[0]
+
+
+def _jacobian_variance(covariance: Float[Array, "*b 3 3"]) -> Float[Array, "*b"]:
+    return StrainStatistics(jnp.zeros_like(covariance[..., 0]), covariance).jacobian_variance()
 
 
 def _again(
-    strain: Float[Array, "2 3 3"], config: schema.RepetitionConfig
+    strain: tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]], config: schema.RepetitionConfig
 ) -> tuple[tuple[float, float], float]:
     """Of the foam at a point, how much is foam again at the other one (± standard error); and the coverage."""
-    here, there = (np.asarray(one) for one in strain)
+    here, there = strain
     values, vectors = np.linalg.eigh(np.block([[here, there], [there, here]]))
     root = jnp.asarray(vectors * np.sqrt(np.maximum(values, 0)), jnp.float32)
     count = math.ceil(config.draws / BATCH)

@@ -12,9 +12,9 @@ from jaxocean.io import write_gif, write_mp4
 from .. import schema
 from ..harness._errors import Interrupted
 from ..harness._files import Files
+from ..harness._lock import locked
 from ..harness._progress import Reporter
 from ..harness._result import Result
-from ..sweeps._lock import locked
 from . import _animate_report, _animate_views, _scene
 from ._frames import Frames
 from ._path import Path, check_above

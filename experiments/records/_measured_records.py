@@ -168,8 +168,8 @@ def _integrate(
         for batch in _batches(same):
             filled = [batch[min(i, len(batch) - 1)][1] for i in range(BATCH)]
             stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *filled)
-            out = _numbers(stacked, epsilon, np.asarray(config.choppiness), limit, config.band)
-            host = jax.tree.map(np.asarray, out)
+            integrals, covariance = _integrals(stacked, np.asarray(config.choppiness), limit, config.band)
+            host = SeaNumbers(**jax.tree.map(np.asarray, integrals | _coverages(covariance, epsilon)))
             numbers |= {n: jax.tree.map(lambda x, i=i: x[i], host) for i, (n, _) in enumerate(batch)}
     return numbers
 
@@ -180,41 +180,46 @@ def _batches(items: Sequence[Any]) -> Iterator[Sequence[Any]]:
 
 
 @eqx.filter_jit
-def _numbers(stacked, thresholds, choppiness, breaking_wavenumber, band) -> SeaNumbers:
-    projected, rest = jo.whitecaps.ExactClosure("projected"), jo.whitecaps.ExactClosure("rest")
+def _integrals(stacked, choppiness, breaking_wavenumber, band) -> tuple[dict[str, Any], Any]:
+    """Numbers that are integrals over a spectrum; the covariances of its strain, then those with other tails."""
 
-    def statistics(spectrum: MeasuredSpectrum) -> jo.whitecaps.StrainStatistics:
+    def covariance(spectrum: MeasuredSpectrum):
         return jo.whitecaps.strain_statistics(
             spectrum, choppiness, band=band, breaking_wavenumber=breaking_wavenumber
-        )
+        ).covariance
 
-    def one(spectrum: MeasuredSpectrum) -> SeaNumbers:
+    def one(spectrum: MeasuredSpectrum):
         def with_tail(tail: tails.AbstractTail) -> MeasuredSpectrum:
             return eqx.tree_at(lambda s: s.tail, spectrum, tail)
 
-        stats = statistics(spectrum)
-        others = jax.vmap(lambda n: statistics(with_tail(tails.PowerTail(n))).covariance)(
-            jnp.asarray(OTHER_TAILS)
-        )
-        # One closure for all: this sea at three ε, the others at the middle one.
-        covariance = jnp.concatenate([jnp.broadcast_to(stats.covariance, (3, 3, 3)), others])
-        together = jo.whitecaps.StrainStatistics(jnp.zeros_like(covariance[:, 0]), covariance)
-        coverage = projected(
-            together, jnp.append(thresholds, jnp.broadcast_to(thresholds[1], len(OTHER_TAILS)))
-        )
-        return SeaNumbers(
-            wave_height=jo.spectra.significant_wave_height(spectrum, band=band),
-            peak_period=jo.spectra.peak_period(spectrum),
-            mean_square_slope=jo.spectra.mean_square_slope(spectrum, band=band),
-            measured_slope=jo.spectra.mean_square_slope(with_tail(tails.NoTail()), band=band),
-            cut_off=spectrum.cut_off(),
-            projected=coverage[:3],
-            rest=rest(stats, thresholds[1]),
-            other_tails=coverage[3:],
-            energy=jo.spectra.frequency_spectrum(spectrum, jnp.asarray(FREQUENCIES)),
-        )
+        others = jax.vmap(lambda n: covariance(with_tail(tails.PowerTail(n))))(jnp.asarray(OTHER_TAILS))
+        numbers = {
+            "wave_height": jo.spectra.significant_wave_height(spectrum, band=band),
+            "peak_period": jo.spectra.peak_period(spectrum),
+            "mean_square_slope": jo.spectra.mean_square_slope(spectrum, band=band),
+            "measured_slope": jo.spectra.mean_square_slope(with_tail(tails.NoTail()), band=band),
+            "cut_off": spectrum.cut_off(),
+            "energy": jo.spectra.frequency_spectrum(spectrum, jnp.asarray(FREQUENCIES)),
+        }
+        return numbers, jnp.concatenate([covariance(spectrum)[None], others])
 
     return eqx.filter_vmap(one)(stacked)
+
+
+@eqx.filter_jit
+def _coverages(covariance, thresholds) -> dict[str, Any]:
+    """Coverage of each record; a program of its own, which files with any frequencies and directions share."""
+    # One closure for all: this sea at three ε, the others at the middle one.
+    sea, others = jnp.repeat(covariance[:, :1], 3, axis=1), covariance[:, 1:]
+    together = jnp.concatenate([sea, others], axis=1)
+    levels = jnp.append(thresholds, jnp.broadcast_to(thresholds[1], len(OTHER_TAILS)))
+
+    def statistics(covariance) -> jo.whitecaps.StrainStatistics:
+        return jo.whitecaps.StrainStatistics(jnp.zeros_like(covariance[..., 0]), covariance)
+
+    projected = jo.whitecaps.ExactClosure("projected")(statistics(together), levels)
+    rest = jo.whitecaps.ExactClosure("rest")(statistics(covariance[:, 0]), thresholds[1])
+    return {"projected": projected[:, :3], "rest": rest, "other_tails": projected[:, 3:]}
 
 
 def _tail(config: schema.MeasuredSeaConfig, dataset: Any, record: dict[str, int]) -> tails.AbstractTail:

@@ -39,14 +39,14 @@ def drive(
     on_the_way: dict[Future[Outcome], Task] = {}
     notes: dict[str, None] = {}
     while True:
-        while len(on_the_way) < lanes and (task := source.next()) is not None:
+        while len(on_the_way) < lanes and (task := source.next(idle=not on_the_way)) is not None:
             on_the_way[executor.submit(compute, task)] = task
         if not on_the_way:
             return tuple(notes)
         finished = [(on_the_way.pop(f), f) for f in wait(on_the_way, return_when=FIRST_COMPLETED).done]
         # The free workers get something to do before the time-consuming writing.
         outcomes = [outcome for done in finished if (outcome := source.outcome(*done)) is not None]
-        while len(on_the_way) < lanes and (task := source.next()) is not None:
+        while len(on_the_way) < lanes and (task := source.next(idle=not on_the_way)) is not None:
             on_the_way[executor.submit(compute, task)] = task
         for outcome in outcomes:
             notes |= dict.fromkeys(results.write(outcome, clear=retry_failed))
@@ -54,7 +54,11 @@ def drive(
 
 
 class _Source:
-    """Which task is next: what a killed process left behind, then unfinished points in their order."""
+    """Which task is next: what a killed process left behind, then unfinished points in their order, then suspects.
+
+    A cluster blames the death of a worker on every task that it had given to that worker. Those tasks are suspects:
+    when all others are done, each is computed with nothing else on the way, and only what kills then is the culprit.
+    """
 
     def __init__(self, results: Results, template: Task, *, retry_failed: bool) -> None:
         self._template = template
@@ -64,6 +68,8 @@ class _Source:
         self._size = results.chunk if self._batched else 1
         self._again: deque[Task] = deque()
         self._deaths: Counter[int] = Counter()
+        self._suspects: deque[Task] = deque()
+        self._alone: Task | None = None
 
     def _whole(self, spans: Iterator[tuple[int, int]], chunk: int) -> Iterator[tuple[int, int]]:
         """For batched points one span per chunk: to compute a gap again costs less than a task of its own."""
@@ -78,14 +84,17 @@ class _Source:
         if held is not None:
             yield held
 
-    def next(self) -> Task | None:
-        """The next task, or None if there is none now."""
+    def next(self, *, idle: bool) -> Task | None:
+        """The next task, or None if there is none now; `idle`: no task is on the way."""
+        if self._alone is not None:
+            return None
         if self._again:
             return self._again.popleft()
         if self._span[0] >= self._span[1]:
             span = next(self._spans, None)
             if span is None:
-                return None
+                self._alone = self._suspects.popleft() if self._suspects and idle else None
+                return self._alone
             self._span = span
         start, stop = self._span[0], min(self._span[0] + self._size, self._span[1])
         self._span = (stop, self._span[1])
@@ -93,6 +102,7 @@ class _Source:
 
     def outcome(self, task: Task, future: Future[Outcome]) -> Outcome | None:
         """What became of a task; None if it is to be tried again."""
+        alone, self._alone = task is self._alone, None
         try:
             outcome = future.result()
         except CancelledError as error:
@@ -102,24 +112,45 @@ class _Source:
             ) from error
         except Exception as error:
             if type(error).__name__ == "KilledWorker":
-                # A cluster has tried it on several workers by then.
-                return self._after_death(task, DEATHS)
+                return self._after_deaths_of_workers(task, alone=alone)
             if not isinstance(error, BrokenExecutor):
                 raise
-            return self._after_death(task, 1)
+            return self._after_death(task)
         if not self._batched:
             each = outcome.seconds / (task.stop - task.start)
             # At most double: points need not cost the same.
             self._size = max(1, min(int(SECONDS / max(each, 1e-9)), 2 * self._size))
         return outcome
 
-    def _after_death(self, task: Task, deaths: int) -> Outcome | None:
-        if not self._batched and task.stop - task.start > 1:
-            # One of these points kills: alone it will be known which.
-            self._again.extend(replace(task, start=i, stop=i + 1) for i in range(task.start, task.stop))
+    def _after_death(self, task: Task) -> Outcome | None:
+        """After the death of a process that had nothing but this task."""
+        if self._divisible(task):
+            self._again.extend(_points(task))
             return None
-        self._deaths[task.start] += deaths
+        self._deaths[task.start] += 1
         if self._deaths[task.start] < DEATHS:
             self._again.append(task)
             return None
         return failure(task, f"The process that computed it was killed, {DEATHS} times (out of memory?).")
+
+    def _after_deaths_of_workers(self, task: Task, *, alone: bool) -> Outcome | None:
+        """After the deaths of several workers of a cluster, all of which had been given this task."""
+        if not alone:
+            self._suspects.append(task)
+            return None
+        if self._divisible(task):
+            self._suspects.extend(_points(task))
+            return None
+        return failure(
+            task,
+            "The workers that computed it were killed, even when nothing else was computed (out of memory?).",
+        )
+
+    def _divisible(self, task: Task) -> bool:
+        """Whether it can be known which of its points kills."""
+        return not self._batched and task.stop - task.start > 1
+
+
+def _points(task: Task) -> Iterator[Task]:
+    """A task for each point of a task."""
+    return (replace(task, start=i, stop=i + 1) for i in range(task.start, task.stop))

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from ..harness._errors import Interrupted, UserError
+from ..harness._lock import locked
 from ..harness._provenance import provenance
 from ..harness._report import render
 from ..harness._result import Result, jsonable
@@ -20,7 +21,6 @@ from ..harness._store import FinishedRun, find
 from ._drive import drive
 from ._effects import main_results
 from ._export import export
-from ._lock import locked
 from ._meter import Advance
 from ._plan import Sweep
 from ._results import Results, create

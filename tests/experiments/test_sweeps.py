@@ -18,6 +18,7 @@ from _sweep_toys import compute, computed, plan
 from rich.console import Console
 
 from experiments.harness._errors import UserError
+from experiments.harness._lock import locked
 from experiments.harness._quantity import shown, udunits, unit_of_name
 from experiments.sweeps import find_finished, meter
 from experiments.sweeps._executors import Inline
@@ -357,8 +358,6 @@ def test_a_damaged_store_is_one_sentence(tmp_path, damage):
 
 
 def test_two_commands_do_not_write_one_store(tmp_path):
-    from experiments.sweeps._lock import locked
-
     sweep = plan(tmp_path, "runs", "value=1,2")
     sweep.folder.parent.mkdir()
     with locked(sweep.folder), pytest.raises(UserError, match="Another process is working on"):

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from _brute_force import nearest_triangle, triangles_of_grid
-from _waves import wind_sea
+from _views import CAMERAS, TIME, calm_fields, place_on_plane, windy
 
 from jaxocean.io import write_mesh
 from jaxocean.render import EARTH_CURVATURE, Camera, Raster, Rays, map_visible, patch_mesh, visible_points
@@ -15,11 +15,10 @@ from jaxocean.render._ray_march import first_crossing
 from jaxocean.render._ray_root import meet_surface
 from jaxocean.render._rays import RayScene
 from jaxocean.render._steepness import Steepness
-from jaxocean.surface import Cascade, Fields, realise
+from jaxocean.surface import Cascade
 
 SIZE = (24, 32)
 CASCADE = Cascade((100.0, 23.0), 32)
-TIME = 3.0
 
 
 @eqx.filter_jit
@@ -49,7 +48,7 @@ def displaced_places(fields, camera, curvature, place):
 
 @pytest.fixture(scope="module")
 def sea():
-    return realise(wind_sea(12.0), CASCADE, key=jax.random.key(3))
+    return windy(CASCADE, 12.0)
 
 
 @pytest.fixture(scope="module")
@@ -57,37 +56,20 @@ def rough(sea):
     return sea.fields(TIME, 1.2)
 
 
-def calm():
-    return Fields(jnp.zeros((2, 4, 32, 32), jnp.complex128))
-
-
-CAMERAS = {
-    "oblique": Camera((3.0, 4.0, 20.0), heading=0.5, pitch=0.6),
-    "rolled": Camera((3.0, 4.0, 20.0), heading=-2.0, pitch=0.3, roll=0.7, field_of_view=1.4),
-    "straight down": Camera((0.0, 0.0, 50.0), heading=1.0, pitch=np.pi / 2),
-    "low": Camera((0.0, 0.0, 0.5), pitch=0.05),
-    "from orbit": Camera((1e4, 0.0, 4e5), pitch=1.2),
-}
-
-
 @pytest.mark.parametrize("name", CAMERAS)
 def test_a_calm_sea_is_the_plane_with_its_footprints(name):
     camera = CAMERAS[name]
-    visible = see(calm(), camera)
+    visible = see(calm_fields(CASCADE), camera)
     rays = np.asarray(camera.rays(SIZE))
     below = rays[..., 2] < -1e-4
     np.testing.assert_array_equal(visible.hit, below)
     exact = (float(camera.position[2]) / -rays[..., 2])[below]
     np.testing.assert_allclose(visible.depth[below], exact, rtol=1e-9)
 
-    def place(pixel):
-        focal = camera.focal_length(SIZE)
-        right, up, forward = camera.axes()
-        ray = (pixel[0] - 16) / focal * right + (12 - pixel[1]) / focal * up + forward
-        return camera.position[:2] - ray[:2] * camera.position[2] / ray[2]
-
     pixels = np.argwhere(below)
-    expected = jax.vmap(jax.jacfwd(place))(jnp.asarray(pixels[:, ::-1] + 0.5))
+    expected = jax.vmap(jax.jacfwd(lambda pixel: place_on_plane(camera, SIZE, pixel)))(
+        jnp.asarray(pixels[:, ::-1] + 0.5)
+    )
     found = np.asarray(visible.footprint.axes)[tuple(pixels.T)]
     # What keeps footprints bounded where they are seen edge on takes a part in 2500 from all of them.
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max())
@@ -231,7 +213,7 @@ def test_the_horizon_of_a_round_planet_is_as_low_as_its_height_tells():
     height = 2e5
     dip = np.arccos(1 / (1 + height * EARTH_CURVATURE))
     camera = Camera((0.0, 0.0, height), pitch=dip, field_of_view=0.1)
-    visible = see(calm(), camera, EARTH_CURVATURE)
+    visible = see(calm_fields(CASCADE), camera, EARTH_CURVATURE)
     rows = np.asarray(visible.hit)[:, 16]
     assert not rows[:11].any()
     assert rows[13:].all()
@@ -247,7 +229,7 @@ def test_several_rays_a_pixel_find_the_share_of_it_that_is_water():
             lambda v: (v.hit.astype(float), v.hit), fields, CASCADE, camera, SIZE, method=Rays(samples=4)
         )[0]
     )
-    share, most = water(calm())
+    share, most = water(calm_fields(CASCADE))
     focal = 12 / np.tan(0.4)
     level = focal * np.tan(0.12) / np.cos(0.2)
     assert share.shape == SIZE
@@ -260,7 +242,7 @@ def test_several_rays_a_pixel_find_the_share_of_it_that_is_water():
 def test_rays_of_several_cameras_are_batched_by_vmap():
     def depth(height):
         camera = Camera(jnp.stack([0 * height, 0 * height, height]), pitch=0.5)
-        return map_visible(lambda v: v.depth, calm(), CASCADE, camera, SIZE, method=Rays())[0]
+        return map_visible(lambda v: v.depth, calm_fields(CASCADE), CASCADE, camera, SIZE, method=Rays())[0]
 
     found = eqx.filter_jit(eqx.filter_vmap(depth))(jnp.array([10.0, 30.0]))
     np.testing.assert_allclose(found[1][12:], 3 * found[0][12:], rtol=1e-9)
@@ -268,7 +250,7 @@ def test_rays_of_several_cameras_are_batched_by_vmap():
 
 def test_the_steepest_gradient_is_that_of_the_steepest_cell(sea):
     alone = Cascade((23.0,), 32)
-    fields = realise(wind_sea(12.0), alone, key=jax.random.key(1)).fields(TIME, 1.0)
+    fields = windy(alone, 12.0, seed=1).fields(TIME, 1.0)
     x, y = jnp.asarray(np.random.default_rng(0).uniform(0, 23, (2, 20000)))
 
     @jax.jit
@@ -288,7 +270,7 @@ def test_the_steepest_gradient_is_that_of_the_steepest_cell(sea):
 
 def test_a_patch_is_the_sea_at_its_samples_and_faces_up(sea):
     alone = Cascade((23.0,), 32)
-    one = realise(wind_sea(12.0), alone, key=jax.random.key(1))
+    one = windy(alone, 12.0, seed=1)
     vertices, faces = patch_mesh(one.fields(TIME, 0.7), alone, centre=(11.5, 11.5), side=23.0, quads=32)
     rest = np.stack(np.meshgrid(np.linspace(0, 23, 33), np.linspace(0, 23, 33)), -1).reshape(-1, 2)
     at = jnp.asarray(rest)

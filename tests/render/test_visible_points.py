@@ -7,22 +7,17 @@ import numpy as np
 import pytest
 from _brute_force import nearest_triangle, triangles_of_grid
 from _derivatives import finite_difference
-from _waves import wind_sea
+from _views import CAMERAS, TIME, calm_fields, place_on_plane, windy
 
 from jaxocean.filtering import Footprint, MomentPyramid
 from jaxocean.render import EARTH_CURVATURE, Camera, Raster, SurfaceMoments, map_visible, visible_points
 from jaxocean.render._bounds import Bounds
 from jaxocean.render._mesh import displaced_mesh, displacement_atlas
 from jaxocean.render._projected_grid import rest_grid
-from jaxocean.surface import Cascade, Fields, realise
+from jaxocean.surface import Cascade
 
 SIZE = (48, 80)
 CASCADE = Cascade((200.0, 23.0), 32)
-TIME = 3.0
-
-
-def flat_fields(dtype=jnp.complex128):
-    return Fields(jnp.zeros((2, 4, 32, 32), dtype))
 
 
 def in_float32(tree):
@@ -31,27 +26,18 @@ def in_float32(tree):
 
 @pytest.fixture(scope="module")
 def sea():
-    return realise(wind_sea(14.0), CASCADE, key=jax.random.key(3))
+    return windy(CASCADE, 14.0)
 
 
 @pytest.fixture(scope="module")
 def storm():
-    return realise(wind_sea(28.0), CASCADE, key=jax.random.key(4))
-
-
-CAMERAS = {
-    "oblique": Camera((3.0, 4.0, 20.0), heading=0.5, pitch=0.6),
-    "rolled": Camera((3.0, 4.0, 20.0), heading=-2.0, pitch=0.3, roll=0.7, field_of_view=1.4),
-    "straight down": Camera((0.0, 0.0, 5000.0), heading=1.0, pitch=np.pi / 2),
-    "low": Camera((0.0, 0.0, 0.5), pitch=0.05),
-    "from orbit": Camera((1e4, 0.0, 4e5), pitch=1.2),
-}
+    return windy(CASCADE, 28.0, seed=4)
 
 
 @pytest.mark.parametrize("name", CAMERAS)
 def test_a_flat_sea_is_the_plane(name):
     camera = CAMERAS[name]
-    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE)
+    visible, _ = visible_points(calm_fields(CASCADE), CASCADE, camera, SIZE)
     rays = np.asarray(camera.rays(SIZE))
     below = rays[..., 2] < -1e-4
     assert below.any()
@@ -66,17 +52,12 @@ def test_a_flat_sea_is_the_plane(name):
 
 def test_footprints_of_a_flat_sea_are_the_derivatives_of_its_plane():
     camera = CAMERAS["rolled"]
-    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE)
-
-    def place(pixel):
-        x = (pixel[0] - 40.0) / camera.focal_length(SIZE)
-        y = (24.0 - pixel[1]) / camera.focal_length(SIZE)
-        right, up, forward = camera.axes()
-        ray = x * right + y * up + forward
-        return camera.position[:2] - ray[:2] * camera.position[2] / ray[2]
+    visible, _ = visible_points(calm_fields(CASCADE), CASCADE, camera, SIZE)
 
     pixels = np.argwhere(np.asarray(visible.hit))[::97]
-    expected = jax.vmap(jax.jacfwd(place))(jnp.asarray(pixels[:, ::-1] + 0.5))
+    expected = jax.vmap(jax.jacfwd(lambda pixel: place_on_plane(camera, SIZE, pixel)))(
+        jnp.asarray(pixels[:, ::-1] + 0.5)
+    )
     found = np.asarray(visible.footprint.axes)[tuple(pixels.T)]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
 
@@ -196,8 +177,8 @@ def test_the_horizon_covers_the_area_below_it_and_has_its_derivative():
     x, axes = jnp.array([0.0, 0.0, 20.0, 0.12, 0.2, 0.8]), jnp.eye(6)
     focal = 24 / np.tan(0.4)
     level = focal * np.tan(0.12) / np.cos(0.2)  # pixels above the centre
-    np.testing.assert_allclose(SHARE(x, flat_fields()), (24 + level) / 48, atol=2e-4)
-    slope = [SHARE_SLOPE(x, flat_fields(), axes[i]) for i in (3, 4)]
+    np.testing.assert_allclose(SHARE(x, calm_fields(CASCADE)), (24 + level) / 48, atol=2e-4)
+    slope = [SHARE_SLOPE(x, calm_fields(CASCADE), axes[i]) for i in (3, 4)]
     expected = [
         focal / np.cos(0.12) ** 2 / np.cos(0.2) / 48,
         level * np.tan(0.2) / 48,
@@ -219,9 +200,10 @@ def test_what_a_wider_filter_takes_from_the_means_it_gives_to_the_covariances(se
     moments = SurfaceMoments.from_fields(fields, CASCADE)
     x, y = jnp.asarray(np.random.default_rng(0).uniform(0, 4600, (2, 60000)))
     variance = jnp.sum(fields.slope**2, axis=(0, -1)).mean(), jnp.sum(fields.strain**2, axis=(0, -1)).mean()
+    look_up = eqx.filter_jit(lambda moments, variance: moments(jnp.zeros(2), x, y, variance))
     shares = []
     for width in (0.02, 2.0, 13.0, 40.0, 200.0, 3000.0):
-        seen = moments(jnp.zeros(2), x, y, jnp.full(x.shape, width**2 / 12))
+        seen = look_up(moments, jnp.full(x.shape, width**2 / 12))
         slope = np.mean(sum(s**2 for s in seen.slope)), np.mean(sum(seen.slopes[:2]))
         strain = np.mean(sum(s**2 for s in seen.strain)), np.mean(sum(seen.strains[:3]))
         np.testing.assert_allclose(sum(slope), variance[0], rtol=0.03)
@@ -263,7 +245,7 @@ def test_the_horizon_of_a_round_planet_is_as_low_as_its_height_tells():
     height, curvature = 2e5, EARTH_CURVATURE
     dip = np.arccos(1 / (1 + height * curvature))
     camera = Camera((0.0, 0.0, height), pitch=dip, field_of_view=0.1)
-    visible, _ = visible_points(flat_fields(), CASCADE, camera, SIZE, curvature=curvature)
+    visible, _ = visible_points(calm_fields(CASCADE), CASCADE, camera, SIZE, curvature=curvature)
     rows = np.asarray(visible.hit)[:, 40]
     assert not rows[:23].any()
     assert rows[25:].all()
@@ -276,7 +258,7 @@ def test_the_horizon_of_a_round_planet_is_as_low_as_its_height_tells():
 def test_cameras_are_batched_by_vmap():
     heights = jnp.array([10.0, 30.0])
     cameras = eqx.filter_vmap(lambda z: Camera(jnp.stack([0 * z, 0 * z, z]), pitch=0.5))(heights)
-    see = eqx.filter_vmap(lambda camera: visible_points(flat_fields(), CASCADE, camera, SIZE)[0].depth)
+    see = eqx.filter_vmap(lambda camera: visible_points(calm_fields(CASCADE), CASCADE, camera, SIZE)[0].depth)
     depth = see(cameras)
     below = np.s_[24:]
     np.testing.assert_allclose(depth[1][below], 3 * depth[0][below], rtol=1e-6)
@@ -286,4 +268,4 @@ def test_a_spacing_that_makes_no_sense_is_refused():
     with pytest.raises(ValueError, match="spacing"):
         Raster(0.0)
     with pytest.raises(ValueError, match="size"):
-        visible_points(flat_fields(), CASCADE, CAMERAS["low"], (0, 10))
+        visible_points(calm_fields(CASCADE), CASCADE, CAMERAS["low"], (0, 10))

@@ -51,7 +51,9 @@ def autocovariance(
     blocks = -(-distance.shape[0] // BLOCK)
     padded = jnp.pad(jnp.asarray(distance), (0, blocks * BLOCK - distance.shape[0])).reshape(blocks, BLOCK)
 
-    def one(weights: Float[Array, "*field k"], size: float) -> Float[Array, "*field r"]:
+    def one(pattern: tuple[Float[Array, "*field k"], Float[Array, ""]]) -> Float[Array, "*field r"]:
+        weights, size = pattern
+
         def block(r: Float[Array, " s"]) -> Float[Array, "s *field"]:
             # Whole turns are taken off before anything is rounded.
             turns = jnp.mod(r / size, 1.0).astype(weights.dtype)
@@ -62,7 +64,8 @@ def autocovariance(
         values = values.reshape(blocks * BLOCK, *values.shape[2:])
         return jnp.moveaxis(values[: distance.shape[0]], 0, -1)
 
-    return jnp.stack([one(folded[i], size) for i, size in enumerate(cascade.sizes)])
+    # A loop, so that one pattern is compiled and not all of them.
+    return jax.lax.map(one, (folded, jnp.asarray(cascade.sizes, padded.dtype)))
 
 
 def _cosines(angle: Float[Array, " s"], count: int) -> Float[Array, "s k"]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..harness._errors import UserError
+from ._errors import UserError
 
 try:
     import fcntl
