@@ -108,7 +108,9 @@ def _half_widths(
     sine, cosine = jnp.sin(view.pitch), jnp.cos(view.pitch)
     bent = curvature > 0
     # On a round planet all that is seen lies within a circle.
-    circle = BEYOND * (_sight(view.height, bounds.highest, jnp.where(bent, curvature, 1.0)) + bounds.displacement)
+    circle = BEYOND * (
+        _sight(view.height, bounds.highest, jnp.where(bent, curvature, 1.0)) + bounds.displacement
+    )
     most = safe_sqrt((circle - distance) * (circle + distance))
     # The row's ends lie deeper than its middle there, and deeper ends lie further apart: from the widest row that
     # there can be, each step comes closer to the one that is needed.

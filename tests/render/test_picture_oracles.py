@@ -5,10 +5,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from _derivatives import finite_difference
 from _waves import wind_sea
 
 import jaxocean as jo
-from jaxocean.render import Camera, map_visible, render, seen_coverage
+from jaxocean.render import EARTH_CURVATURE, Camera, Raster, map_visible, render, render_layers, seen_coverage
 from jaxocean.surface import Cascade, realise
 from jaxocean.whitecaps import GaussianClosure, StrainStatistics
 
@@ -42,6 +43,84 @@ def test_a_flat_sea_mirrors_the_sky_in_every_pixel():
     # The sky that water mirrors is read from a table.
     np.testing.assert_allclose(image[down], expected[down], rtol=0.01)
     np.testing.assert_allclose(image[up], np.asarray(sky.radiance(jnp.asarray(rays)))[up], rtol=1e-6)
+
+
+def calm_ocean(sky):
+    sea = realise(0.0 * wind_sea(10.0), CASCADE, key=jax.random.key(0))
+    return jo.Ocean(sea, sky=sky, water=jo.optics.ConstantWater((0.0, 0.0, 0.0)))
+
+
+@pytest.mark.slow
+def test_a_flat_sea_on_a_round_planet_mirrors_the_sky_about_its_own_vertical():
+    sky = jo.optics.sky.HosekWilkie(3.0, sun_elevation=0.9, sun_azimuth=2.0)
+    ocean = calm_ocean(sky)
+    seen = 0
+    for height, pitch, view in ((3e6, 1.25, 1.0), (4e5, 0.6, 0.8), (2e4, 0.2, 0.5)):
+        camera = Camera((0.0, 0.0, height), heading=0.3, pitch=pitch, field_of_view=view)
+        layers = render_layers(ocean, camera, 0.0, SIZE, method=Raster(1.0), curvature=EARTH_CURVATURE)
+        rays = np.asarray(camera.rays(SIZE))
+        # Where each ray meets the sphere, from its centre.
+        start = np.array([0.0, 0.0, 1 / EARTH_CURVATURE + height])
+        middle = -rays @ start
+        square = middle**2 - height * (2 / EARTH_CURVATURE + height)
+        met = start + (middle - np.sqrt(np.maximum(square, 0)))[..., None] * rays
+        up = met * EARTH_CURVATURE
+        cosine = -np.sum(rays * up, -1)
+        # A rotation about the axis across both verticals (Rodrigues), and not the product's own formula.
+        axis = np.cross(up, [0.0, 0.0, 1.0])
+        sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+        axis = axis / np.maximum(sine, 1e-12)
+
+        def local(vector, axis=axis, sine=sine, up=up):
+            along = np.sum(axis * vector, -1, keepdims=True)
+            return vector * up[..., 2:] + np.cross(axis, vector) * sine + axis * along * (1 - up[..., 2:])
+
+        mirror = local(rays) * [1, 1, -1]
+        sun = local(np.broadcast_to(np.asarray(sky.sun_direction), rays.shape))
+        inside = (square > 0) & (cosine > 0.12)
+        # Neither in the sun's own image nor in the night.
+        chosen = inside & (np.sum(mirror * sun, -1) < 0.99) & (sun[..., 2] > 0.01)
+        expected = fresnel(np.maximum(cosine, 0))[..., None] * np.asarray(sky.radiance(jnp.asarray(mirror)))
+        np.testing.assert_allclose(np.asarray(layers.radiance)[chosen], expected[chosen], rtol=0.03)
+        np.testing.assert_allclose(np.asarray(layers.normal)[inside], up[inside], atol=2e-3)
+        seen += chosen.sum()
+    assert seen > 400
+
+
+@pytest.mark.slow
+def test_light_has_the_derivative_of_differences_in_curvature_and_height():
+    ocean = calm_ocean(jo.optics.sky.HosekWilkie(3.0, sun_elevation=0.9, sun_azimuth=2.0))
+
+    def mean(x, pitch):
+        camera = Camera(
+            jnp.stack([0 * x[1], 0 * x[1], 1e5 * x[1]]), heading=0.3, pitch=pitch, field_of_view=0.6
+        )
+        method, curvature = Raster(1.0), EARTH_CURVATURE * x[0]
+        image = render(ocean, camera, 0.0, (16, 16), method=method, curvature=curvature)
+        return 1e3 * jnp.mean(image)
+
+    value = jax.jit(mean)
+    change = jax.jit(lambda x, pitch, along: jax.jvp(lambda y: mean(y, pitch), (x,), (along,))[1])
+    for x, pitch in (((1.0, 8.0), 1.3), ((1.0, 8.0), np.pi / 2), ((1.0, 1.0), 0.7)):
+        x, pitch = jnp.asarray(x), jnp.asarray(pitch)
+        for along in jnp.eye(2):
+            expected = finite_difference(lambda y, pitch=pitch: value(y, pitch), x, along, 1e-3)
+            np.testing.assert_allclose(
+                change(x, pitch, along), expected, rtol=0.03, atol=1e-3 * value(x, pitch)
+            )
+    # A plane is where a planet becomes one.
+    x, along = jnp.asarray([0.0, 1.0]), jnp.asarray([1.0, 0.0])
+    steps = [float(value(x + h * along, jnp.asarray(0.7))) for h in (0.0, 0.01, 0.02)]
+    expected = (4 * steps[1] - steps[2] - 3 * steps[0]) / 0.02
+    np.testing.assert_allclose(change(x, jnp.asarray(0.7), along), expected, rtol=0.05)
+    plain = render(
+        ocean,
+        Camera((0.0, 0.0, 1e5), heading=0.3, pitch=0.7, field_of_view=0.6),
+        0.0,
+        (16, 16),
+        method=Raster(1.0),
+    )
+    np.testing.assert_allclose(steps[0], 1e3 * jnp.mean(plain), rtol=1e-6)
 
 
 def test_pixels_that_hold_many_periods_have_the_coverage_of_the_whole_sea():
