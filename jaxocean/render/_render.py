@@ -193,7 +193,8 @@ class _Scene:
     def local(self, sky: AbstractSky, up: Components) -> LocalSky:
         """The sky over places with the vertical `up`."""
         sun = sky.sun_direction.astype(up[0].dtype)
-        return LocalSky(sky, jnp.stack(to_local((sun[0], sun[1], sun[2]), up), axis=-1))
+        x, y, z = (jnp.broadcast_to(sun[i], up[0].shape) for i in range(3))
+        return LocalSky(sky, jnp.stack(to_local((x, y, z), up), axis=-1))
 
     def background(self, visible: Visible) -> Colour:
         """The sky where no sea is seen, else 0."""
