@@ -220,7 +220,8 @@ def _horizon(height: Scalar, depth: Scalar, highest: Scalar, curvature: Scalar) 
 
 def _sight(height: Scalar, highest: Scalar, curvature: Scalar) -> Scalar:
     """How far along the ground [m] of a round planet the highest crest can be seen, and a little more."""
-    return sum(
-        jnp.arctan(jnp.sqrt(curvature * h * (2 + curvature * h))) / curvature
-        for h in (jnp.maximum(height, 0.0) + 1.0, jnp.maximum(highest, 0.0) + 1.0)
-    )
+
+    def arc(h: Scalar) -> Scalar:
+        return jnp.arctan(jnp.sqrt(curvature * h * (2 + curvature * h))) / curvature
+
+    return arc(jnp.maximum(height, 0.0) + 1.0) + arc(jnp.maximum(highest, 0.0) + 1.0)

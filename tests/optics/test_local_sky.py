@@ -80,7 +80,7 @@ def test_each_place_has_its_own_light_whatever_others_are_lit_at_once():
         args = jnp.zeros((1, 2)), jnp.eye(2)[None] * 0.02, jnp.full(1, 0.3)
         expected = jo.optics.surface_radiance(view[at][None], *args, alone, water, foam)
         local = LocalSky(ConstantSky(1.0, 5.0), towards(elevations))
-        both = (jnp.repeat(each, 2, axis=0) for each in args)
-        found = jo.optics.surface_radiance(view, *both, local, water, foam)
+        slope, covariance, coverage = (jnp.repeat(each, 2, axis=0) for each in args)
+        found = jo.optics.surface_radiance(view, slope, covariance, coverage, local, water, foam)
         for a, b in zip(found, expected, strict=True):
             np.testing.assert_allclose(a[at], b[0], rtol=1e-9)
