@@ -107,7 +107,7 @@ def surface_radiance(
 
     x, y = slope[..., 0], slope[..., 1]
     upright = inverse_root(1.0 + x * x + y * y)
-    on_foam = once(jnp.maximum(to_sun[2] - x * to_sun[0] - y * to_sun[1], 0.0) * upright)
+    on_foam = once(jnp.maximum(to_sun[..., 2] - x * to_sun[..., 0] - y * to_sun[..., 1], 0.0) * upright)
     scattered = foam.reflectance(foam_age).astype(dtype) / math.pi
 
     hidden = facing(to_viewer, slope, slope_covariance).hidden
@@ -116,10 +116,10 @@ def surface_radiance(
     # Channel by channel: XLA on the CPU is slow with short last axes.
     parts = [
         (
-            clear * glitter * beam[k],
+            clear * glitter * beam[..., k],
             clear * mirrored.radiance[..., k],
-            clear * (1.0 - mirrored.reflectance) * upwelling[k],
-            white * scattered[..., k] * (on_foam * beam[k] + dome[k]),
+            clear * (1.0 - mirrored.reflectance) * upwelling[..., k],
+            white * scattered[..., k] * (on_foam * beam[..., k] + dome[..., k]),
         )
         for k in range(3)
     ]

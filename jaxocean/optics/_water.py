@@ -29,8 +29,9 @@ class AbstractWater(eqx.Module):
     """What the water sends up to a facet, before the facet reflects part of it back down."""
 
     @abc.abstractmethod
-    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "3"]:
-        """Radiance [that of the sky] that would leave the water if the surface let all of it through, (3,)."""
+    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "*b 3"]:
+        """Radiance [that of the sky] that would leave the water if the surface let all of it through, (3,), or one for
+        each place of a `LocalSky`."""
 
 
 class Water(AbstractWater):
@@ -72,8 +73,8 @@ class Water(AbstractWater):
         """`spectral_reflectance` in linear sRGB [1/sr]."""
         return reflectance_to_srgb(WAVELENGTHS, self.spectral_reflectance())
 
-    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "3"]:
-        height = jnp.maximum(sky.sun_direction[2], 0.0)
+    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "*b 3"]:
+        height = jnp.maximum(sky.sun_direction[..., 2:], 0.0)
         direct = height * (1.0 - fresnel(height)) * sky.sun_irradiance
         diffuse = (1.0 - diffuse_reflectance(fresnel, height.dtype)) * sky.irradiance()
         return self.radiance_reflectance().astype(direct.dtype) * (direct + diffuse)
@@ -95,10 +96,10 @@ class ConstantWater(AbstractWater):
     def __check_init__(self) -> None:
         check_colour("colour", self.colour, "")
 
-    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "3"]:
+    def radiance(self, sky: AbstractSky, fresnel: AbstractFresnel) -> Float[Array, "*b 3"]:
         if not self.sunlit:
             return self.colour / math.pi * sky.irradiance()
-        height = jnp.maximum(sky.sun_direction[2], 0.0)
+        height = jnp.maximum(sky.sun_direction[..., 2:], 0.0)
         return self.colour / math.pi * (height * sky.sun_irradiance + sky.irradiance())
 
 

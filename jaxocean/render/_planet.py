@@ -37,3 +37,37 @@ def _sinc(square: Float[Array, "*b"]) -> Float[Array, "*b"]:
     small = square < 1e-4
     x = jnp.sqrt(jnp.where(small, 1.0, square))
     return jnp.where(small, 1 - square / 6, jnp.sin(x) / x)
+
+
+Components = tuple[Float[Array, "*b"], Float[Array, "*b"], Float[Array, "*b"]]
+"""Of vectors, one array each: XLA on the CPU is slow with short last axes."""
+
+
+def vertical(place: Components, curvature: Scalar) -> Components:
+    """Unit vectors away from the planet's centre.
+
+    **Arguments:** `place` [m] from the point below the camera at height 0; `curvature` κ [1/m].
+    """
+    x, y, z = curvature * place[0], curvature * place[1], 1 + curvature * place[2]
+    inverse = 1 / jnp.sqrt(x * x + y * y + z * z)
+    return x * inverse, y * inverse, z * inverse
+
+
+def to_local(vector: Components, up: Components) -> Components:
+    """Vectors of the world in the frame of places with the vertical `up`.
+
+    The turn that brings `up` u to the camera's vertical e the short way, as `wrap` bends the plane:
+
+    $$ v - \\frac{(u + e)·v}{1 + u·e} (u + e) + 2 (u·v)\\, e $$
+    """
+    along = up[0] * vector[0] + up[1] * vector[1] + up[2] * vector[2]
+    share = (along + vector[2]) / (1 + up[2])
+    return vector[0] - share * up[0], vector[1] - share * up[1], along
+
+
+def to_world(vector: Components, up: Components) -> Components:
+    """The inverse of `to_local`."""
+    along = up[0] * vector[0] + up[1] * vector[1] + up[2] * vector[2]
+    share = 2 * vector[2] - (along + vector[2]) / (1 + up[2])
+    flat = vector[0] + share * up[0], vector[1] + share * up[1]
+    return *flat, up[2] * vector[2] - up[0] * vector[0] - up[1] * vector[1]

@@ -30,6 +30,9 @@ BENT = 0.2
 MARGIN = 1.25
 """Rows in the mesh over rows in the image."""
 
+BEYOND = 1.05
+"""How far rows may reach on a round planet, over the distance of its horizon: their ends are joined by chords."""
+
 
 class RestGrid(NamedTuple):
     """Vertices at rest.
@@ -103,8 +106,15 @@ def _half_widths(
 ) -> Float[Array, " row"]:
     """Half the lengths of the rows [m]: of the deepest point that may be seen over a row, to the side."""
     sine, cosine = jnp.sin(view.pitch), jnp.cos(view.pitch)
-    half = jnp.zeros_like(distance)
-    # On a round planet the row's ends lie deeper than its middle, and deeper ends lie further apart.
+    bent = curvature > 0
+    # On a round planet all that is seen lies within a circle.
+    circle = BEYOND * (
+        _sight(view.height, bounds.highest, jnp.where(bent, curvature, 1.0)) + bounds.displacement
+    )
+    most = safe_sqrt((circle - distance) * (circle + distance))
+    # The row's ends lie deeper than its middle there, and deeper ends lie further apart: from the widest row that
+    # there can be, each step comes closer to the one that is needed.
+    half = jnp.where(bent, most, 0.0)
     for _ in range(SIDEWAYS):
         level = jnp.zeros_like(half)
         place, level = wrap(jnp.stack([distance, half], axis=-1), level, curvature)
@@ -114,6 +124,7 @@ def _half_widths(
         deep = jnp.maximum((below - bounds.lowest) * sine, (below - bounds.highest) * sine)
         ahead = (distance + bounds.displacement) * cosine + deep
         half = view.right * jnp.maximum(ahead, 0.0) * longer + bounds.displacement
+        half = jnp.where(bent, jnp.minimum(half, most), half)
     return half
 
 
@@ -162,7 +173,7 @@ def _reach(view: _View, bounds: Bounds, curvature: Scalar) -> tuple[Scalar, Scal
     among = (depths[0] <= 0) & (depths[1] >= 0)
     least = jnp.where(among, least, jnp.inf)
     most = jnp.where(among, most, -jnp.inf)
-    sky = jnp.zeros((), bool)
+    sky = beyond = jnp.zeros((), bool)
     sine, cosine = jnp.sin(view.pitch), jnp.cos(view.pitch)
     # On a round planet the corners of the image see further than the middles of its edges.
     for up in (view.up, -view.up):
@@ -174,12 +185,13 @@ def _reach(view: _View, bounds: Bounds, curvature: Scalar) -> tuple[Scalar, Scal
                 where = where * safe_divide(along, flat)
                 least = jnp.minimum(least, jnp.where(hit, where, jnp.inf))
                 most = jnp.maximum(most, jnp.where(hit, where, -jnp.inf))
-                # A ray that does not meet the lowest water: the horizon is seen.
-                sky = sky | (~hit if number == 1 else False)
+                # A ray that does not meet the lowest water: the horizon is seen, from high above also that behind.
+                missed = ~hit if number == 1 else False
+                sky, beyond = sky | missed, beyond | (missed & (down > 0) & (along < 0))
     far = _horizon(view.height, depths[1], bounds.highest, curvature)
     furthest = jnp.where(sky, far, jnp.minimum(jnp.where(jnp.isfinite(most), most, far), far))
     nearest = jnp.where(jnp.isfinite(least), least, 0.0)
-    nearest = jnp.minimum(nearest, 0.5 * furthest)
+    nearest = jnp.where(beyond, -far, jnp.minimum(nearest, 0.5 * furthest))
     return nearest - bounds.displacement, furthest + bounds.displacement + 1e-3
 
 
@@ -202,9 +214,14 @@ def _horizon(height: Scalar, depth: Scalar, highest: Scalar, curvature: Scalar) 
     """A distance [m] beyond which nothing is seen, or on a plane, beyond which everything is on the horizon."""
     flat = FAR * jnp.maximum(depth, 1.0)
     bent = curvature > 0
-    kappa = jnp.where(bent, curvature, 1.0)
-    reach = sum(
-        jnp.arctan(jnp.sqrt(kappa * h * (2 + kappa * h))) / kappa
-        for h in (jnp.maximum(height, 0.0) + 1.0, jnp.maximum(highest, 0.0) + 1.0)
-    )
-    return jnp.where(bent, jnp.minimum(flat, reach), flat)
+    sight = _sight(height, highest, jnp.where(bent, curvature, 1.0))
+    return jnp.where(bent, jnp.minimum(flat, sight), flat)
+
+
+def _sight(height: Scalar, highest: Scalar, curvature: Scalar) -> Scalar:
+    """How far along the ground [m] of a round planet the highest crest can be seen, and a little more."""
+
+    def arc(h: Scalar) -> Scalar:
+        return jnp.arctan(jnp.sqrt(curvature * h * (2 + curvature * h))) / curvature
+
+    return arc(jnp.maximum(height, 0.0) + 1.0) + arc(jnp.maximum(highest, 0.0) + 1.0)

@@ -13,10 +13,11 @@ from .._types import FloatLike, Scalar, ScalarLike
 from ..filtering import symmetric_matrix
 from ..ocean import Ocean
 from ..optics import SurfaceRadiance, surface_radiance
-from ..optics.sky import ImageSky, Mirror, bake
+from ..optics.sky import AbstractSky, ImageSky, LocalSky, Mirror, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
 from ._camera import Camera, check_above, check_size
+from ._planet import Components, to_local
 from ._rays import Rays
 from ._visible import Raster, Visible, map_visible
 
@@ -33,7 +34,7 @@ class Layers(eqx.Module):
     | `coverage` | - | share W of the visible sea that is foam |
     | `depth` | m | distance from the pinhole |
     | `rest_point` | m | 2: (x, y) at rest |
-    | `normal` | - | 3: of the mean slope, upwards |
+    | `normal` | - | 3: of the mean slope, upwards, in the world |
     | `slope_variance` | - | mean square slope inside the footprint, both directions together |
     | `jacobian_mean`, `jacobian_variance` | - | of j inside the footprint |
 
@@ -130,6 +131,9 @@ def seen_coverage(
 SMALLEST_AREA = 1e-3
 """A footprint squeezed to less than this is edge-on or inside a fold."""
 
+SCALE_HEIGHT = 8e3
+"""Height [m] over which the air of a round planet thins out by a factor e."""
+
 
 def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
     check_size(size)
@@ -137,7 +141,11 @@ def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
     fields = ocean.fields(time)
     if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
         check_above(camera, ocean.sea, time, ocean.choppiness, fields)
-    return ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature)
+    # A plane that is known to be one has the same vertical everywhere, and its light costs less. Before it becomes an
+    # array, which would not be known while a program is traced.
+    flat = is_concrete(curvature) and float(curvature) == 0
+    method = Raster() if method is None else method
+    return ocean, camera, fields, size, method, as_leaf(curvature), flat
 
 
 Colour = tuple[Float[Array, "rows columns"], ...]
@@ -147,11 +155,11 @@ Colour = tuple[Float[Array, "rows columns"], ...]
 class _Scene:
     """An ocean's light on what a camera sees, in the type of its fields."""
 
-    def __init__(self, ocean: Ocean, dtype: jnp.dtype) -> None:
+    def __init__(self, ocean: Ocean, dtype: jnp.dtype, flat: bool) -> None:
         def cast(x: Any) -> Any:
             return x.astype(dtype) if eqx.is_array(x) and jnp.issubdtype(x.dtype, jnp.floating) else x
 
-        self.ocean = jax.tree.map(cast, ocean)
+        self.ocean, self.flat = jax.tree.map(cast, ocean), flat
         self.unresolved = self.ocean.unresolved_slopes()
         # The mirrored sky is looked up in a table: its lobes cost the same however wide they are.
         sky = self.ocean.sky
@@ -166,29 +174,63 @@ class _Scene:
         return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure), visible.area)
 
     def light(self, visible: Visible, coverage: Float[Array, "*b"]) -> SurfaceRadiance:
-        ocean = self.ocean
-        rays = visible.rays
+        ocean, rays, sky = self.ocean, visible.rays, self.mirrored
+        # Component by component: XLA on the CPU is slow with short last axes.
+        to_viewer = -rays[..., 0], -rays[..., 1], -rays[..., 2]
+        if not self.flat:
+            up = visible.up
+            to_viewer, sky = to_local(to_viewer, up), self.local(sky, up)
         return surface_radiance(
-            # Component by component: XLA on the CPU is slow with short last axes.
-            jnp.stack([-rays[..., i] for i in range(3)], axis=-1),
+            jnp.stack(to_viewer, axis=-1),
             visible.slope,
             self.covariance(visible),
             coverage,
-            self.mirrored,
+            sky,
             ocean.water,
             ocean.foam,
             shading=ocean.shading,
         )
+
+    def local(self, sky: AbstractSky, up: Components) -> LocalSky:
+        """The sky over places with the vertical `up`."""
+        sun = sky.sun_direction.astype(up[0].dtype)
+        x, y, z = (jnp.broadcast_to(sun[i], up[0].shape) for i in range(3))
+        return LocalSky(sky, jnp.stack(to_local((x, y, z), up), axis=-1))
 
     def background(self, visible: Visible) -> Colour:
         """The sky where no sea is seen, else 0."""
         sky, rays, above = self.ocean.sky, visible.rays, ~visible.hit
 
         def seen() -> Colour:
-            colours = zip(_channels(sky.radiance(rays)), _channels(sky.sun_radiance(rays)), strict=True)
+            dome = sky.radiance(rays) if self.flat else self.thin_air(visible)
+            colours = zip(_channels(dome), _channels(sky.sun_radiance(rays)), strict=True)
             return tuple(jnp.where(above, dome + sun, 0.0) for dome, sun in colours)
 
         return jax.lax.cond(jnp.any(above), seen, lambda: (jnp.zeros(above.shape, rays.dtype),) * 3)
+
+    def thin_air(self, visible: Visible) -> Float[Array, "rows columns 3"]:
+        """The dome over a round planet: that over the lowest place of each ray, as dense as the air is there.
+
+        The density is a mean over the heights that the pixel spans, lest the thin ring around the planet be dotted.
+        """
+        rays = visible.rays
+        x, y, z = (rays[..., i] for i in range(3))
+        curvature, height = visible.curvature, visible.camera.position[2]
+        # In radii of the planet, from its centre.
+        start = 1 + curvature * height
+        way = start * jnp.maximum(-z, 0.0)
+        lowest = way * x, way * y, start + way * z
+        radius = jnp.sqrt(jnp.maximum(lowest[0] ** 2 + lowest[1] ** 2 + lowest[2] ** 2, 1e-12))
+        up = lowest[0] / radius, lowest[1] / radius, lowest[2] / radius
+        bent = curvature > 0
+        above = jnp.where(bent, (radius - 1) / jnp.where(bent, curvature, 1.0), height)
+        half = 0.5 * jnp.where(bent, way / jnp.where(bent, curvature, 1.0), 0.0)
+        half = half / visible.camera.focal_length(visible.size)
+        bottom = jnp.maximum(above - half, 0.0)
+        thick = jnp.maximum(jnp.maximum(above, 0.0) + half - bottom, SCALE_HEIGHT * 1e-3) / SCALE_HEIGHT
+        density = jnp.exp(-bottom / SCALE_HEIGHT) * -jnp.expm1(-thick) / thick
+        dome = self.local(self.ocean.sky, up).radiance(jnp.stack(to_local((x, y, z), up), axis=-1))
+        return jnp.stack([density * dome[..., i] for i in range(3)], axis=-1)
 
 
 def _channels(colour: Float[Array, "rows columns 3"]) -> Colour:
@@ -197,9 +239,9 @@ def _channels(colour: Float[Array, "rows columns 3"]) -> Colour:
 
 @eqx.filter_jit
 def _radiance(
-    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar
+    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar, flat: bool
 ) -> Array:
-    scene = _Scene(ocean, fields.packed.real.dtype)
+    scene = _Scene(ocean, fields.packed.real.dtype, flat)
 
     def shade(visible: Visible) -> Colour:
         hit = visible.hit
@@ -220,9 +262,9 @@ def _radiance(
 
 @eqx.filter_jit
 def _layers(
-    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar
+    ocean: Ocean, camera: Camera, fields: Fields, size, method: Raster | Rays, curvature: Scalar, flat: bool
 ) -> Layers:
-    scene = _Scene(ocean, fields.packed.real.dtype)
+    scene = _Scene(ocean, fields.packed.real.dtype, flat)
 
     def shade(visible: Visible) -> Layers:
         hit, strain = visible.hit, visible.strain

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float
 
 from .._elementary import once
 from .._numerics import as_leaf
-from .._types import ScalarLike
+from .._types import Scalar, ScalarLike
 from ..filtering import Footprint, Moments, symmetric_matrix
 from ..surface import Cascade, Fields
 from ..surface.fft._apart import compute_apart
@@ -22,6 +22,7 @@ from ._edges import Edges
 from ._footprint import Seen, SurfaceMoments, displaced
 from ._hits import footprint_edges, meet
 from ._mesh import displaced_mesh, displacement_atlas
+from ._planet import Components, to_world, vertical
 from ._projected_grid import rest_grid
 from ._raster import visible_triangles
 from ._rays import Rays, RayScene, average, ray_bands
@@ -37,7 +38,7 @@ class Visible(eqx.Module):
 
     **Arguments:**
 
-    - `camera`, `size`: of the image; `rows`: numbers of the rows.
+    - `camera`, `size`: of the image; `rows`: numbers of the rows; `curvature`: of the planet [1/m].
     - `hit`: whether the pixel's centre sees water.
     - `depth`: distance of the seen point from the pinhole [m].
     - `place`: (x, y) of that point at rest, from the point below the camera [m].
@@ -50,6 +51,7 @@ class Visible(eqx.Module):
     camera: Camera
     size: tuple[int, int] = eqx.field(static=True)
     rows: Float[Array, " rows"]
+    curvature: Scalar
     hit: Bool[Array, "rows columns"]
     depth: Float[Array, "rows columns"]
     place: tuple[Float[Array, "rows columns"], ...]
@@ -69,6 +71,13 @@ class Visible(eqx.Module):
         return self.camera.position + self.depth[..., None] * self.rays
 
     @property
+    def up(self) -> Components:
+        """Unit vectors away from the planet's centre at the seen point: (0, 0, 1) where it is flat."""
+        rays = self.rays
+        place = (self.depth * rays[..., 0], self.depth * rays[..., 1])
+        return vertical((*place, self.camera.position[2] + self.depth * rays[..., 2]), self.curvature)
+
+    @property
     def rest_point(self) -> Float[Array, "rows columns 2"]:
         """The seen point at rest (x, y) [m]."""
         return self.camera.position[:2] + jnp.stack(self.place, axis=-1)
@@ -82,7 +91,7 @@ class Visible(eqx.Module):
 
     @property
     def slope(self) -> Float[Array, "rows columns 2"]:
-        """Mean slope (∂w/∂x, ∂w/∂y) of the displaced surface [-]."""
+        """Mean slope (∂w/∂x, ∂w/∂y) of the displaced surface over its own horizontal [-]."""
         return jnp.stack(self.seen.slope, axis=-1)
 
     @property
@@ -92,10 +101,10 @@ class Visible(eqx.Module):
 
     @property
     def normal(self) -> Float[Array, "rows columns 3"]:
-        """Upward unit normal of the mean slope."""
+        """Upward unit normal of the mean slope, in the world."""
         x, y = self.seen.slope
         length = jnp.sqrt(1 + x * x + y * y)
-        return jnp.stack([-x / length, -y / length, 1 / length], axis=-1)
+        return jnp.stack(to_world((-x / length, -y / length, 1 / length), self.up), axis=-1)
 
     @property
     def strain(self) -> StrainStatistics:
@@ -166,7 +175,8 @@ def _visible_points(fields, cascade, camera, size, method, curvature) -> tuple[V
 
     found, edges = map_visible(arrays, fields, cascade, camera, size, method=method, curvature=curvature)
     dtype = fields.packed.real.dtype
-    return Visible(camera.astype(dtype), size, jnp.arange(size[0], dtype=dtype), *found), edges
+    rows = jnp.arange(size[0], dtype=dtype)
+    return Visible(camera.astype(dtype), size, rows, curvature.astype(dtype), *found), edges
 
 
 def map_visible(
@@ -231,6 +241,7 @@ def map_visible(
             camera,
             size,
             rows,
+            curvature,
             hits.hit,
             depth,
             (hits.x, hits.y),
@@ -256,9 +267,8 @@ def _map_rays(shade, fields, cascade, camera, size, method: Rays, curvature) -> 
         hits = scene.trace(moments, rows)
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
         place = (hits.x, hits.y)
-        visible = Visible(
-            camera, scene.size, rows, hits.hit, hits.depth, place, hits.axes, hits.variance, _area(seen), seen
-        )
+        found = hits.hit, hits.depth, place, hits.axes, hits.variance, _area(seen), seen
+        visible = Visible(camera, scene.size, rows, curvature, *found)
         return jax.tree.map(lambda each: average(each, method.samples), shade(visible))
 
     shaded = jax.lax.map(one, ray_bands(size, method.samples, dtype))

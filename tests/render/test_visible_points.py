@@ -75,9 +75,9 @@ def test_no_pixel_below_the_horizon_is_void_for_a_hundred_cameras(storm):
     water = np.asarray(storm.height_at(places[1::2], TIME, 1.3))
     among, wilder = (in_float32(storm.fields(TIME, choppiness)) for choppiness in (1.3, 2.5))
     for number, place in enumerate(places):
-        # Cameras among the waves, where margins matter most and crests are above the camera, and up to orbit.
+        # Cameras among the waves, where margins matter most and crests are above the camera, and up to high orbit.
         fields = among if number % 2 else wilder
-        height = water[number // 2] + rng.uniform(0.2, 3.0) if number % 2 else 10 ** rng.uniform(1.3, 5.5)
+        height = water[number // 2] + rng.uniform(0.2, 3.0) if number % 2 else 10 ** rng.uniform(1.3, 7.6)
         camera = Camera(
             (*place, height),
             heading=rng.uniform(-3, 3),
@@ -253,6 +253,29 @@ def test_the_horizon_of_a_round_planet_is_as_low_as_its_height_tells():
     place = np.asarray(visible.position)[np.asarray(visible.hit)]
     radius = np.hypot(np.hypot(place[:, 0], place[:, 1]), place[:, 2] + 1 / curvature)
     np.testing.assert_allclose(radius * curvature, 1, atol=2e-4)
+
+
+@pytest.mark.parametrize("pitch", [0.9, 1.2, np.pi / 2])
+def test_the_sea_fills_the_disc_of_the_planet_from_any_orbit(pitch):
+    see = eqx.filter_jit(
+        lambda camera: visible_points(flat_fields(), CASCADE, camera, SIZE, curvature=EARTH_CURVATURE)[0]
+    )
+    seen = 0
+    for height in (4e5, 1e6, 2e6, 4e6, 6e6, 1e7, 2e7, 4e7):
+        camera = Camera((0.0, 0.0, height), heading=0.7, pitch=pitch)
+        visible = see(camera)
+        down = np.arcsin(-np.asarray(camera.rays(SIZE))[..., 2])
+        limb, pixel = np.arccos(1 / (1 + EARTH_CURVATURE * height)), float(camera.field_of_view) / SIZE[0]
+        hit, inside = np.asarray(visible.hit), down > limb + 0.5 * pixel
+        assert np.all(hit[inside]), height
+        assert not np.any(hit[down < limb - 0.5 * pixel]), height
+        seen += hit.sum()
+        # The near crossing of the ray with the sphere; the mesh is its chords.
+        slant = (1 + EARTH_CURVATURE * height) * np.sin(down[inside])
+        rest = height * (2 + EARTH_CURVATURE * height)
+        depth = rest / (slant + np.sqrt(slant**2 - EARTH_CURVATURE * rest))
+        np.testing.assert_allclose(visible.depth[inside], depth, rtol=0.03)
+    assert seen > 3000
 
 
 def test_cameras_are_batched_by_vmap():

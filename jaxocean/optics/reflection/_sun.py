@@ -21,7 +21,7 @@ UPRIGHT = 1e-3
 
 def sun_glitter(
     to_viewer: Float[Array, "*b 3"],
-    to_sun: Float[Array, "3"],
+    to_sun: Float[Array, "*#b 3"],
     slope: Float[Array, "*b 2"],
     covariance: Float[Array, "*b 2 2"],
     fresnel: AbstractFresnel | None = None,
@@ -37,10 +37,9 @@ def sun_glitter(
     it at grazing angles), a Gaussian of the same variance: a flat sea shows the sun twice as bright as it is, and as
     much smaller. Light that is reflected twice is left out.
 
-    **Arguments:** `to_viewer` V, unit vectors (*b, 3); `to_sun` L, a unit vector (3,); `slope` m and `covariance`:
-    mean (*b, 2) and covariance (*b, 2, 2) of the slopes in the footprint; `fresnel`: reflectance of a facet,
-    `ExactFresnel()` by default;
-    `masking`: how masking and shadowing go together.
+    **Arguments:** `to_viewer` V, unit vectors (*b, 3); `to_sun` L, a unit vector (3,) or (*b, 3); `slope` m and
+    `covariance`: mean (*b, 2) and covariance (*b, 2, 2) of the slopes in the footprint;
+    `fresnel`: reflectance of a facet, `ExactFresnel()` by default; `masking`: how masking and shadowing go together.
 
     **Returns:** L/E [1/sr], (*b); 0 where the sun is below the mean facet.
 
@@ -50,13 +49,13 @@ def sun_glitter(
     sun = to_sun.astype(to_viewer.dtype)
     seen = facing(to_viewer, slope, covariance)
     lit = facing(jnp.broadcast_to(sun, to_viewer.shape), slope, covariance)
-    hx, hy, hz = (to_viewer[..., i] + sun[i] for i in range(3))
+    hx, hy, hz = (to_viewer[..., i] + sun[..., i] for i in range(3))
     up = hz > UPRIGHT
     inverse = reciprocal(jnp.where(up, hz, 1.0))
     square = hx * hx + hy * hy + hz * hz
     # The slope that mirrors L moves with L by −(dL_xy + ζ_H dL_z)/(V + L)_z; dL has the covariance I − L Lᵀ.
     zx, zy = -hx * inverse, -hy * inverse
-    wx, wy = sun[0] + zx * sun[2], sun[1] + zy * sun[2]
+    wx, wy = sun[..., 0] + zx * sun[..., 2], sun[..., 1] + zy * sun[..., 2]
     disc = SUN_VARIANCE * inverse * inverse
     density = bivariate_normal(
         zx - slope[..., 0],
@@ -70,7 +69,7 @@ def sun_glitter(
     reflected = fresnel(0.5 * square * inverse_root(square))
     steep = square * inverse * inverse
     visible = masking(seen.hidden, lit.hidden, to_viewer, jnp.broadcast_to(sun, to_viewer.shape))
-    rising = sun[2] - slope[..., 0] * sun[0] - slope[..., 1] * sun[1]
+    rising = sun[..., 2] - slope[..., 0] * sun[..., 0] - slope[..., 1] * sun[..., 1]
     fade = jnp.clip(rising / RISE, 0.0, 1.0)
     # A quotient of the library: XLA writes it to memory, where all channels read it.
     radiance = reflected * density * steep * steep * visible * fade / (4.0 * seen.mean)

@@ -5,6 +5,7 @@ from ._bake import bake as bake
 from ._constant import ConstantSky as ConstantSky
 from ._hosek_wilkie import HosekWilkie as HosekWilkie
 from ._image import ImageSky as ImageSky
+from ._local import LocalSky as LocalSky
 from ._mirror import Mirror as Mirror
 from ._spectral_hosek_wilkie import SpectralHosekWilkie as SpectralHosekWilkie
 from ._sun import SUN_RADIUS as SUN_RADIUS

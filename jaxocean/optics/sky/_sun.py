@@ -19,7 +19,7 @@ def direction_of(elevation: Scalar, azimuth: Scalar) -> Float[Array, "3"]:
     return jnp.stack([flat * jnp.cos(azimuth), flat * jnp.sin(azimuth), jnp.sin(elevation)])
 
 
-def visible_fraction(elevation: Scalar) -> Scalar:
+def visible_fraction(elevation: Float[Array, "*b"]) -> Float[Array, "*b"]:
     """The share of the sun's disc that is above a flat horizon.
 
     $$ f = \\frac{1}{\\pi} \\left( \\tfrac{\\pi}{2} + \\arcsin s + s \\sqrt{1 - s^2} \\right), \\quad
@@ -35,7 +35,7 @@ def visible_fraction(elevation: Scalar) -> Scalar:
 
 
 def even_disc(
-    irradiance: Float[Array, "3"], sun: Float[Array, "3"], direction: Float[Array, "*b 3"]
+    irradiance: Float[Array, "3"], sun: Float[Array, "*#b 3"], direction: Float[Array, "*b 3"]
 ) -> Float[Array, "*b 3"]:
     """Radiance of a disc without limb darkening whose whole gives `irradiance`; 0 off it and below the horizon."""
     across = direction - sun.astype(direction.dtype)

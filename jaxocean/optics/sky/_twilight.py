@@ -4,8 +4,7 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
-
-from ..._types import Scalar
+from jaxtyping import Array, Float
 
 DEPTHS = np.radians([0.0, 6.0, 12.0, 18.0])
 """Depth of the sun below the horizon [rad]: sunset, end of civil, nautical and astronomical twilight."""
@@ -17,7 +16,7 @@ SLOPES = np.degrees([-0.2473, -0.4934, -0.2880, 0.0])
 """Its derivative [1/rad] there, by the same polynomials; 0 where only the night sky is left."""
 
 
-def twilight(elevation: Scalar) -> Scalar:
+def twilight(elevation: Float[Array, "*b"]) -> Float[Array, "*b"]:
     """The dome's brightness relative to that at sunset: 1 above the horizon, about 1/220 at −6°, 1e-6 below −18°.
 
     log10 of it is the cubic Hermite interpolation between the four depths.
