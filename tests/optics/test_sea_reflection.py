@@ -207,6 +207,20 @@ def test_every_reflection_sees_a_white_sky_alike():
         )
 
 
+def test_no_glitter_is_brighter_than_the_sun_however_flat_the_sea_and_low_the_sun():
+    """The disc's radiance at its middle, per irradiance, is that of its Gaussian: 1/(2π variance)."""
+    disc = 1 / (2 * np.pi * SUN_RADIUS**2 / 4)
+    low = 10.0 ** -np.arange(0.2, 3.2, 0.25)
+    view = jnp.stack([direction(np.pi / 2 - each, 0.0) for each in low])
+    for height in low:
+        sun = direction(np.pi / 2 - height, np.pi + 0.001)
+        for variance in (0.0, 1e-6, 1e-3, 0.04):
+            found = sun_glitter(
+                view, sun, jnp.zeros((low.size, 2)), jnp.full(low.size, variance)[:, None, None] * jnp.eye(2)
+            )
+            assert np.all(np.asarray(found) < 1.06 * disc)
+
+
 def test_a_sun_that_is_down_sends_no_glitter():
     for elevation in (-0.3, -1.2):
         sun = direction(np.pi / 2 - elevation, 0.2)

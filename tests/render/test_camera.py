@@ -114,7 +114,9 @@ def test_no_water_is_higher_than_its_bound_and_the_bound_knows_where_crests_are(
     fields = sea.fields(2.0, 1.2)
     places = np.random.default_rng(0).uniform(-300.0, 300.0, (200, 2))
     water = np.asarray(sea.height_at(places, 2.0, 1.2))
-    bounds = np.array([highest_over(fields, cascade, reduce_points(p, cascade, np.dtype(float))) for p in places])
+    bounds = np.array(
+        [highest_over(fields, cascade, reduce_points(p, cascade, np.dtype(float))) for p in places]
+    )
     assert np.all(bounds > water)
     highest = float(jnp.sum(jnp.max(fields.height, axis=(-2, -1))))
     assert bounds.min() < 0.5 * highest

@@ -1,5 +1,7 @@
 """Sun glitter: the facets in a footprint that mirror the sun's disc."""
 
+import math
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -14,6 +16,9 @@ SUN_VARIANCE = 5.47e-6
 
 RISE = 1e-3
 """Cosine [-] of the sun on the mean facet below which its light fades out: there the facets' shadow is unbounded."""
+
+BRIGHTEST = 1.05 / (2.0 * math.pi * SUN_VARIANCE)
+"""Radiance of the disc per irradiance [1/sr] at its middle, and a little more: no mirror shows more than that."""
 
 UPRIGHT = 1e-3
 """Least height [-] of V + L: facets that would be steeper than its inverse mirror nothing."""
@@ -73,4 +78,5 @@ def sun_glitter(
     fade = jnp.clip(rising / RISE, 0.0, 1.0)
     # A quotient of the library: XLA writes it to memory, where all channels read it.
     radiance = reflected * density * steep * steep * visible * fade / (4.0 * seen.mean)
-    return jnp.where(up, radiance, 0.0)
+    # Where view and sun both graze, slopes move too fast with the direction for a linear law.
+    return jnp.where(up, jnp.minimum(radiance, reflected * BRIGHTEST), 0.0)
