@@ -8,11 +8,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._elementary import once
-from .._numerics import as_leaf, is_concrete
+from .._numerics import as_leaf, check_kind, check_scalar, is_concrete
 from .._types import FloatLike, Scalar, ScalarLike
 from ..filtering import symmetric_matrix
 from ..ocean import Ocean
-from ..optics import SurfaceRadiance, surface_radiance
+from ..optics import SurfaceRadiance, foam_in_view, surface_radiance
 from ..optics.sky import ImageSky, Mirror, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
@@ -80,7 +80,8 @@ def render(
 
     **Returns:** radiance, linear with sRGB primaries, in the unit of the sky's radiance.
 
-    **Raises:** `ValueError` for a size that makes no sense or a camera under water.
+    **Raises:** `ValueError` for arguments of the wrong kind, a size or curvature that makes no sense, or a camera under
+    water.
 
     **Source:** Dupuy & Bruneton 2012, with the exact closure in place of their eqs 6–8.
     """
@@ -132,12 +133,18 @@ SMALLEST_AREA = 1e-3
 
 
 def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
+    check_kind("ocean", ocean, Ocean, "an `Ocean`")
+    check_kind("camera", camera, Camera, "a `Camera`")
+    if method is not None:
+        check_kind("method", method, (Raster, Rays), "`Raster()` or `Rays()`")
     check_size(size)
+    curvature = as_leaf(curvature)
+    check_scalar("curvature", curvature, "1/m", minimum=0.0)
     if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
         check_above(camera, ocean.sea, time, ocean.choppiness)
     # A plain number for the time keeps its double precision, and compiles nothing anew.
     fields = ocean.fields(time)
-    return ocean, camera, fields, size, Raster() if method is None else method, as_leaf(curvature)
+    return ocean, camera, fields, size, Raster() if method is None else method, curvature
 
 
 Colour = tuple[Float[Array, "rows columns"], ...]
@@ -179,6 +186,13 @@ class _Scene:
             ocean.foam,
             shading=ocean.shading,
         )
+
+    def seen_foam(
+        self, visible: Visible, covariance: Float[Array, "*b 2 2"], coverage: Float[Array, "*b"]
+    ) -> Float[Array, "*b"]:
+        """The coverage as it is seen past the waves inside the footprint."""
+        view = self.ocean.shading.foam_view
+        return foam_in_view(-visible.rays, visible.slope, covariance, coverage, view)
 
     def background(self, visible: Visible) -> Colour:
         """The sky where no sea is seen, else 0."""
@@ -240,7 +254,7 @@ def _layers(
             foam=sea(light.foam),
             background=background,
             sea=hit.astype(covariance.dtype),
-            coverage=sea(coverage),
+            coverage=sea(scene.seen_foam(visible, covariance, coverage)),
             depth=sea(visible.depth),
             rest_point=sea(visible.rest_point),
             normal=sea(visible.normal),
