@@ -156,7 +156,7 @@ def _quality(console: Console) -> None:
         picture = np.asarray(render.render(ocean, camera, config.time, SIZE))
         fine = np.asarray(render.render(ocean, camera, config.time, (FINE * SIZE[0], FINE * SIZE[1])))
         reference = fine.reshape(SIZE[0], FINE, SIZE[1], FINE, 3).mean(axis=(1, 3))
-        tone = imagery.Exposure(_scene.exposure(config.image, reference))
+        tone = imagery.Exposure(_scene.exposure(config, reference))
         value = float(imagery.psnr(tone(jnp.asarray(picture)), tone(jnp.asarray(reference))))
         console.print(
             f"{name}: PSNR {value:.1f} dB against {FINE**2} times as many pixels (target {QUALITY_TARGET:g})."
