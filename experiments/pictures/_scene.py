@@ -202,7 +202,8 @@ def white(config: schema.SceneConfig) -> tuple[float, ...]:
     clear = isinstance(config.sky, schema.ClearSkyConfig | schema.SpectralSkyConfig)
     if chosen == "none" or (chosen is None and not clear):
         return (1.0, 1.0, 1.0)
-    return _on_a_plate(config.sky)
+    # Sections are frozen, and so hashable.
+    return _on_a_plate(config.sky)  # pyright: ignore[reportArgumentType]
 
 
 @functools.lru_cache(maxsize=8)
