@@ -32,7 +32,7 @@ QUALITY_TARGET, AGREEMENT_TARGET = 30.0, 35.0  # dB
 
 
 def run(*, quick: bool = False) -> None:
-    """Print times, peak memory, and (not if `quick`) the gradient's time, the pictures' quality, and mesh against rays."""
+    """Print times and peak memory; if not `quick`, also the gradient's time, quality, and mesh against rays."""
     size, frames = ((90, 160), 3) if quick else (SIZE, 12)
     config = _config(SCENES[0])
     ocean, camera = _scene.ocean(config), _scene.camera(config.camera)
@@ -156,7 +156,7 @@ def _quality(console: Console) -> None:
         picture = np.asarray(render.render(ocean, camera, config.time, SIZE))
         fine = np.asarray(render.render(ocean, camera, config.time, (FINE * SIZE[0], FINE * SIZE[1])))
         reference = fine.reshape(SIZE[0], FINE, SIZE[1], FINE, 3).mean(axis=(1, 3))
-        tone = imagery.Exposure(_scene.exposure(config.image, reference))
+        tone = imagery.Exposure(_scene.exposure(config, reference))
         value = float(imagery.psnr(tone(jnp.asarray(picture)), tone(jnp.asarray(reference))))
         console.print(
             f"{name}: PSNR {value:.1f} dB against {FINE**2} times as many pixels (target {QUALITY_TARGET:g})."

@@ -22,6 +22,22 @@ def optional_leaf(value: FloatLike | None) -> Float[Array, "..."] | None:
     return None if value is None else as_leaf(value)
 
 
+SLACK = 1e-3
+"""By how much [rad] an angle may pass straight up or down, and is taken for just that."""
+
+
+UPRIGHT = 0.5 * np.pi + 1e-6
+"""Straight up [rad], in whatever precision."""
+
+
+def as_upright_angle(value: FloatLike) -> Float[Array, "..."]:
+    """`as_leaf` of an angle from −π/2 to π/2: one that is beyond by less than `SLACK`, as 1.5708 is, is the end."""
+    leaf = as_leaf(value)
+    upright = np.asarray(0.5 * np.pi, leaf.dtype)
+    beyond = (jnp.abs(leaf) > upright) & (jnp.abs(leaf) < upright + SLACK)
+    return jnp.where(beyond, jnp.where(leaf > 0, upright, -upright), leaf)
+
+
 def is_concrete(value: object) -> bool:
     """Whether a value is known now, that is: not a tracer inside jit, vmap or grad."""
     return not isinstance(value, jax.core.Tracer)

@@ -24,6 +24,14 @@ CALLS = {
     "jo.surface.Cascade(100.0, 64)": "Argument `sizes` must hold one size [m] per pattern, but is 100.0",
     "sea.height(np.zeros((2, 3)), 0.0)": "Argument `p` must hold places (x, y) on its last axis, but has shape (2, 3).",
     "sea.fields(jax.numpy.arange(3.0))": "Argument `time` must be one number, but has shape (3,)",
+    'draw(method="rays")': "Argument `method` must be `Raster()` or `Rays()`, but is 'rays'.",
+    "draw(method=jo.render.Rays)": "but is the class Rays itself.",
+    "draw(camera=(0.0, 0.0, 10.0))": "Argument `camera` must be a `Camera`, but is a tuple.",
+    "draw(ocean=sea)": "Argument `ocean` must be an `Ocean`, but is a Sea.",
+    "draw(size=(10.5, 10))": "`size` must be (rows, columns) with 1 to 16384 whole pixels each, but is (10.5, 10).",
+    "draw(size=10)": "whole pixels each, but is 10.",
+    "draw(curvature=-1)": "Argument `curvature` must be at least 0 1/m, but is -1.",
+    "jo.Ocean(sea, unresolved=2.0)": "Argument `unresolved` must be a spectrum such as `Elfouhaily(wind)`, but is 2.0.",
     "jo.whitecaps.jacobian(jax.numpy.zeros((4, 2)))": "Argument `strain` must hold (a, b, c) on its last axis",
 }
 
@@ -33,6 +41,9 @@ key = jax.random.key(0)
 cascade = jo.surface.Cascade((50.0,), 16)
 spectrum = jo.spectra.Elfouhaily(jo.Wind(8.0))
 sea = jo.surface.realise(spectrum, cascade, key=key)
+def draw(**changed):
+    given = {"ocean": jo.Ocean(sea), "camera": jo.render.Camera((0.0, 0.0, 10.0)), "time": 0.0, "size": (2, 2)}
+    return jo.render.render(**{**given, **changed})
 for call in sys.argv[1:]:
     try:
         eval(call)

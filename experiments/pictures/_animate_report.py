@@ -20,7 +20,7 @@ from ._path import Path
 class Found:
     """A finished sequence in numbers.
 
-    **Arguments:** `time` [s]; `place`: x, y, height [m], heading, pitch [rad] of the camera at each; `numbers`: of each
+    **Arguments:** `time` [s]; `place`: that of the camera at each (see `Place`); `numbers`: of each
     rendering, by name and quantity, at each time; `plane`: coverage of the whole plane; `flicker`: of each rendering by
     image row, [255ths of a code value], `error`: of its difference to the supersampled one; `notes`.
     """

@@ -9,6 +9,7 @@ import numpy as np
 from ..common import _plots
 from ..harness._files import Files, variable
 from ._animate_report import Found
+from ._path import Place
 
 SHOWN = 6
 """Frames in the overview, at most."""
@@ -74,10 +75,13 @@ def save(store: Files, found: Found) -> None:
         variables[f"coverage_{name}"] = variable(
             "time", values, units="1", long_name=f"coverage of the sea in view, {name}"
         )
-    places = (("x", "m"), ("y", "m"), ("height", "m"), ("heading", "rad"), ("pitch", "rad"))
-    for column, (name, unit) in enumerate(places):
+    units = {"x": "m", "y": "m", "height": "m"}
+    for column, name in enumerate(Place._fields):
         variables[f"camera_{name}"] = variable(
-            "time", found.place[:, column], units=unit, long_name=f"{name} of the camera"
+            "time",
+            found.place[:, column],
+            units=units.get(name, "rad"),
+            long_name=f"{name.replace('_', ' ')} of the camera",
         )
     for name, rows in found.flicker.items():
         variables[f"flicker_{name}"] = variable(

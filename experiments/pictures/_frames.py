@@ -16,16 +16,21 @@ NUMBERS = "numbers.jsonl"
 class Frames:
     """Pictures of one sequence in a folder, and a line of numbers for each.
 
-    **Arguments:** `folder`: made if it is not there; `count`: how many frames there will be.
+    **Arguments:** `folder`: made if it is not there; `count`: how many frames there will be; `layered`: whether each
+    has a file of its layers beside it.
     """
 
-    def __init__(self, folder: Path, count: int) -> None:
+    def __init__(self, folder: Path, count: int, *, layered: bool = False) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self.folder, self.count = folder, count
+        self.folder, self.count, self.layered = folder, count, layered
 
     def file(self, frame: int) -> Path:
         """The picture of a frame."""
         return self.folder / f"frame_{frame:05d}.png"
+
+    def layers_file(self, frame: int) -> Path:
+        """The layers of a frame."""
+        return self.file(frame).with_suffix(".exr")
 
     def files(self) -> list[Path]:
         """All pictures, in order."""
@@ -41,19 +46,23 @@ class Frames:
             except ValueError:
                 continue  # the last line of a process that was killed
             found[int(record["frame"])] = record
-        return {frame: found[frame] for frame in sorted(found) if self.file(frame).is_file()}
+        return {frame: found[frame] for frame in sorted(found) if self._whole(frame)}
+
+    def _whole(self, frame: int) -> bool:
+        return self.file(frame).is_file() and (not self.layered or self.layers_file(frame).is_file())
 
     def keep(self, frame: int, code: np.ndarray, numbers: Mapping[str, float]) -> None:
-        """Store a frame: the picture first, so that numbers stand for a whole one."""
+        """Store a frame, after its layers if it has some: the numbers come last, so that they stand for a whole one."""
         write_png(self.file(frame), code)
         # A line that was cut off must not swallow this one.
         with (self.folder / NUMBERS).open("a", encoding="utf-8") as file:
             file.write("\n" + json.dumps({"frame": frame, **numbers}) + "\n")
 
     def copy_to(self, folder: Path) -> list[Path]:
-        """Put the pictures into another folder too, as the same files where the disk can."""
+        """Put the pictures, and their layers, into another folder too, as the same files where the disk can."""
         folder.mkdir(parents=True, exist_ok=True)
-        for file in self.files():
+        layers = [self.layers_file(frame) for frame in range(self.count)] if self.layered else []
+        for file in (*self.files(), *layers):
             try:
                 os.link(file, folder / file.name)
             except OSError:

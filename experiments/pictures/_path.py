@@ -1,6 +1,7 @@
 """Where the camera is at every time."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -10,45 +11,67 @@ from jaxocean import render
 
 from .. import schema
 from ..harness._errors import UserError
+from . import _scene
+
+
+class Place(NamedTuple):
+    """Where a camera is and how it looks: x, y and height [m], heading, pitch, roll and field of view [rad]."""
+
+    x: float
+    y: float
+    height: float
+    heading: float
+    pitch: float
+    roll: float
+    field_of_view: float
 
 
 class Path:
     """The camera of a config over time: smooth between key frames, and nowhere beyond the values of two neighbours.
 
-    Before the first key frame and after the last it stands still; it turns the shorter way.
+    Before the first key frame and after the last it stands still; it turns the shorter way. If all key frames have a
+    target, the target moves likewise and stays in the middle of the image; if only some do, they say no more than
+    heading and pitch at their time.
     """
 
     def __init__(self, config: schema.AnimateConfig) -> None:
-        self._camera = config.camera
-        self._frames = config.path
-        if len(self._frames) > 1:
-            heading = np.unwrap([frame.heading for frame in self._frames])
-            values = [
-                (*frame.position, turned, frame.pitch)
-                for frame, turned in zip(self._frames, heading, strict=True)
-            ]
-            self._between = PchipInterpolator([frame.time for frame in self._frames], np.asarray(values))
+        cameras = [_camera(config.camera, frame) for frame in config.path] or [config.camera]
+        directions = np.asarray([_scene.direction(camera) for camera in cameras])
+        directions[:, 0] = np.unwrap(directions[:, 0])
+        targets = [camera.target for camera in cameras if camera.target is not None]
+        self._aimed = len(targets) == len(cameras)
+        others = [(*camera.position, camera.roll, camera.field_of_view) for camera in cameras]
+        self._values = np.concatenate([others, targets if self._aimed else directions], axis=1)
+        self._times = [frame.time for frame in config.path]
+        self._between = PchipInterpolator(self._times, self._values) if len(self._times) > 1 else None
 
     def __call__(self, time: float) -> render.Camera:
         """The camera at a time of the sea [s]."""
-        x, y, z, heading, pitch = self.place(time)
+        x, y, height, heading, pitch, roll, field_of_view = self.place(time)
         return render.Camera(
-            (x, y, z),
-            heading=heading,
-            pitch=pitch,
-            field_of_view=self._camera.field_of_view,
-            roll=self._camera.roll,
+            (x, y, height), heading=heading, pitch=pitch, field_of_view=field_of_view, roll=roll
         )
 
-    def place(self, time: float) -> tuple[float, ...]:
-        """x, y, height [m], heading and pitch [rad]."""
-        if not self._frames:
-            still = self._camera
-            return (*still.position, still.heading, still.pitch)
-        if len(self._frames) == 1:
-            return (*self._frames[0].position, self._frames[0].heading, self._frames[0].pitch)
-        held = np.clip(time, self._frames[0].time, self._frames[-1].time)
-        return tuple(float(value) for value in self._between(held))
+    def place(self, time: float) -> Place:
+        """Where the camera is at a time of the sea [s]."""
+        values = self._values[0]
+        if self._between is not None:
+            values = self._between(np.clip(time, self._times[0], self._times[-1]))
+        x, y, height, roll, field_of_view, *aim = values.tolist()
+        heading, pitch = _scene.towards((x, y, height), aim) if self._aimed else aim
+        return Place(x, y, height, heading, pitch, roll, field_of_view)
+
+
+def _camera(whole: schema.CameraConfig, frame: schema.KeyFrameConfig) -> schema.CameraConfig:
+    """The camera of a key frame: what it does not say is as in `camera`."""
+    return schema.CameraConfig(
+        position=frame.position,
+        heading=frame.heading,
+        pitch=frame.pitch,
+        target=frame.target,
+        roll=whole.roll if frame.roll is None else frame.roll,
+        field_of_view=whole.field_of_view if frame.field_of_view is None else frame.field_of_view,
+    )
 
 
 def check_above(ocean: jo.Ocean, path: Path, times: Sequence[float]) -> None:
@@ -57,9 +80,9 @@ def check_above(ocean: jo.Ocean, path: Path, times: Sequence[float]) -> None:
         try:
             render.check_above(path(time), ocean.sea, time, ocean.choppiness)
         except ValueError as problem:
-            x, y, height, *_ = path.place(time)
-            water = float(ocean.sea.height_at(np.asarray([x, y]), time, ocean.choppiness))
+            at = path.place(time)
+            water = float(ocean.sea.height_at(np.asarray([at.x, at.y]), time, ocean.choppiness))
             raise UserError(
-                f"At {time:g} s the camera is at a height of {height:g} m, but the water there at {water:.3g} m: "
+                f"At {time:g} s the camera is at a height of {at.height:g} m, but the water there at {water:.3g} m: "
                 "raise `camera.position`, or the key frames of `path` around that time."
             ) from problem

@@ -38,7 +38,8 @@ def run(config: schema.AnimateConfig, progress: Reporter, store: Files) -> Resul
     times = [config.start + frame / config.frames_per_second for frame in range(config.frames)]
     with locked(store.unfinished()):
         sequences = {
-            name: Frames(store.unfinished() / name, config.frames) for name in ("filtered", *config.compare)
+            name: Frames(store.unfinished() / name, config.frames, layered=config.exr and name == "filtered")
+            for name in ("filtered", *config.compare)
         }
         _render_missing(config, ocean, path, times, sequences, progress)
         progress.step("Writing the sequence")
@@ -82,12 +83,16 @@ def _render_missing(
             advance = progress.count("Frames" if name == "filtered" else f"Frames, {name}", len(frames))
             for frame in frames:
                 began = clock.perf_counter()
-                radiance, numbers = _picture(config, ocean, path(times[frame]), times[frame], LOOKS[name])
+                layers, radiance, numbers = _picture(
+                    config, ocean, path(times[frame]), times[frame], LOOKS[name]
+                )
                 seconds = clock.perf_counter() - began
                 # One exposure for all, or the sequence would pump.
-                exposure = exposure or _scene.exposure(config.image, radiance)
-                code = _scene.code(config.image, exposure, radiance)
+                exposure = exposure or _scene.exposure(config, radiance)
+                code = _scene.code(config, exposure, radiance)
                 numbers |= {"time": times[frame], "exposure": exposure, "seconds": seconds}
+                if sequences[name].layered:
+                    _scene.write_layers(sequences[name].layers_file(frame), layers)
                 sequences[name].keep(frame, code, numbers)
                 advance()
     except KeyboardInterrupt:
@@ -105,8 +110,8 @@ def _kept_exposure(sequence: Frames) -> float | None:
 
 def _picture(
     config: schema.AnimateConfig, ocean: jo.Ocean, camera: render.Camera, time: float, look: Look
-) -> tuple[np.ndarray, dict[str, float]]:
-    """The light of one frame, the share of it that is sea, and the coverage of that."""
+) -> tuple[render.Layers, np.ndarray, dict[str, float]]:
+    """The layers and the light of one frame, the share of it that is sea, and the coverage of that."""
     rows, columns = _scene.size(config.image)
     n = look.samples
     layers = render.render_layers(
@@ -114,9 +119,15 @@ def _picture(
         camera,
         time,
         (n * rows, n * columns),
-        method=render.Raster(min(n * config.image.vertex_spacing, 64.0), filtered=look.filtered),
+        method=_method(config.image, look),
         curvature=_scene.curvature(config),
     )
     radiance = np.asarray(layers.radiance).reshape(rows, n, columns, n, 3).mean(axis=(1, 3))
     numbers = {"sea": float(np.mean(layers.sea)), "coverage": _scene.seen_whitecaps(layers)}
-    return radiance, numbers
+    return layers, radiance, numbers
+
+
+def _method(image: schema.RayImageConfig, look: Look) -> render.Raster | render.Rays:
+    if image.method == "rays":
+        return _scene.method(image)
+    return render.Raster(min(look.samples * image.vertex_spacing, 64.0), filtered=look.filtered)

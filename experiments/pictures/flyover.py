@@ -48,8 +48,8 @@ def run(config: schema.FlyoverConfig, progress: Reporter, store: Files) -> Resul
             prints.append(_footprint(layers))
             if picture is None:
                 radiance = np.asarray(layers.radiance)
-                exposure = exposure or _scene.exposure(config.image, radiance)
-                picture = _scene.code(config.image, exposure, radiance)
+                exposure = exposure or _scene.exposure(config, radiance)
+                picture = _scene.code(config, exposure, radiance)
             advance()
         levels.append(
             Level(
@@ -75,12 +75,9 @@ def _frame(
 ) -> tuple[render.Layers, float]:
     """One frame from a height above the water there, and the seconds that it took."""
     x, y, _ = config.camera.position
-    place = np.asarray(
-        [
-            x - number * config.apart * np.sin(config.camera.heading),
-            y + number * config.apart * np.cos(config.camera.heading),
-        ]
-    )
+    heading = float(_scene.camera(config.camera).heading)
+    aside = number * config.apart
+    place = np.asarray([x - aside * np.sin(heading), y + aside * np.cos(heading)])
     time = config.start + number
     water = float(ocean.sea.height_at(place, time, ocean.choppiness))
     moved = config.camera.model_copy(update={"position": (*place.tolist(), water + height)})

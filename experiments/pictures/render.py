@@ -5,7 +5,7 @@ import numpy as np
 
 import jaxocean as jo
 from jaxocean import render
-from jaxocean.io import layer, write_exr, write_png
+from jaxocean.io import write_png
 
 from .. import schema
 from ..common._markdown import page
@@ -25,29 +25,15 @@ def run(config: schema.RenderConfig, progress: Reporter, store: Files) -> Result
         _scene.camera(config.camera),
         config.time,
         _scene.size(config.image),
-        method=_method(config.image),
+        method=_scene.method(config.image),
         curvature=_scene.curvature(config),
     )
     layers = jax.tree.map(np.asarray, layers)
     progress.step("Writing the picture")
-    exposure = _scene.exposure(config.image, layers.radiance)
-    write_png(store.folder / "picture.png", _scene.code(config.image, exposure, layers.radiance))
-    _write_layers(store, layers)
+    exposure = _scene.exposure(config, layers.radiance)
+    write_png(store.folder / "picture.png", _scene.code(config, exposure, layers.radiance))
+    _scene.write_layers(store.folder / "layers.exr", layers)
     return _report(config, store, ocean, layers, exposure)
-
-
-def _method(image: schema.StillImageConfig) -> render.Raster | render.Rays:
-    return render.Rays(image.samples) if image.method == "rays" else render.Raster(image.vertex_spacing)
-
-
-def _write_layers(store: Files, layers: render.Layers) -> None:
-    channels = layer("", "RGB", layers.radiance)
-    for name in ("sun", "sky", "water", "foam", "background"):
-        channels |= layer(name, "RGB", getattr(layers, name))
-    channels |= layer("normal", "XYZ", layers.normal) | layer("rest_point", "XY", layers.rest_point)
-    for name in ("sea", "coverage", "depth", "slope_variance", "jacobian_mean", "jacobian_variance"):
-        channels |= layer(name, "Z" if name == "depth" else "Y", getattr(layers, name)[..., None])
-    write_exr(store.folder / "layers.exr", channels)
 
 
 def _report(

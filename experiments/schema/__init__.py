@@ -10,6 +10,9 @@ from ._calibration import CalibrationConfig as CalibrationConfig
 from ._calibration import LawName as LawName
 from ._calibration import PointsConfig as PointsConfig
 from ._calibration import WindsConfig as WindsConfig
+from ._camera import HEADING as HEADING
+from ._camera import PITCH as PITCH
+from ._camera import CameraConfig as CameraConfig
 from ._coverage import CoverageConfig as CoverageConfig
 from ._dupuy import SCENES as SCENES
 from ._dupuy import DupuyScenesConfig as DupuyScenesConfig
@@ -30,15 +33,15 @@ from ._measured import MeasuredSeaConfig as MeasuredSeaConfig
 from ._measured import NoTailConfig as NoTailConfig
 from ._measured import PowerTailConfig as PowerTailConfig
 from ._measured import RecordChoice as RecordChoice
-from ._render import CameraConfig as CameraConfig
 from ._render import ClearSkyConfig as ClearSkyConfig
 from ._render import EvenSkyConfig as EvenSkyConfig
 from ._render import ImageConfig as ImageConfig
 from ._render import PanoramaSkyConfig as PanoramaSkyConfig
+from ._render import RayImageConfig as RayImageConfig
 from ._render import RenderConfig as RenderConfig
 from ._render import SceneConfig as SceneConfig
 from ._render import SkyConfig as SkyConfig
-from ._render import StillImageConfig as StillImageConfig
+from ._render import SpectralSkyConfig as SpectralSkyConfig
 from ._render import WaterConfig as WaterConfig
 from ._repetition import RepetitionConfig as RepetitionConfig
 from ._sea import DEFAULT_BREAKING_WAVENUMBER as DEFAULT_BREAKING_WAVENUMBER
@@ -50,6 +53,8 @@ from ._sea import check_choppiness as check_choppiness
 from ._sea import choppiness_key as choppiness_key
 from ._sea import threshold_key as threshold_key
 from ._sea_states import SeaStatesConfig as SeaStatesConfig
+from ._shading import FoamLookConfig as FoamLookConfig
+from ._shading import ShadingConfig as ShadingConfig
 from ._ships import ShipRecordsConfig as ShipRecordsConfig
 from ._ships import ShipSwellConfig as ShipSwellConfig
 from ._spectra import CosineSpreading as CosineSpreading

@@ -1,34 +1,45 @@
 """The config of `animate`."""
 
 import itertools
-import math
 from typing import Literal, Self
 
 from pydantic import model_validator
 
-from ._base import Section, key, wrong
-from ._render import SceneConfig
+from ._base import HALF_TURN, Section, key, wrong
+from ._camera import Point, check_aim, heading_key, pitch_key, position_key, target_key
+from ._render import RayImageConfig, SceneConfig
 
 MOST = 100_000
 """Frames of a sequence."""
 
 
 class KeyFrameConfig(Section):
-    """One of `path`: where the camera is at one time."""
+    """One of `path`: where the camera is at one time, and where it looks."""
 
     time: float = key(unit="s", meaning="of the sea", ge=0, le=1e9)
-    position: tuple[float, float, float] = key(
-        unit="m", meaning="x, y and height above the resting water", within="height > 0"
+    position: Point = position_key()
+    heading: float | None = heading_key("given by target")
+    pitch: float | None = pitch_key("given by target")
+    target: Point | None = target_key()
+    roll: float | None = key(
+        None,
+        unit="rad",
+        meaning="turn around the direction of view; null: that of `camera`",
+        within="-π to π",
+        ge=-HALF_TURN,
+        le=HALF_TURN,
     )
-    heading: float = key(
-        unit="rad", meaning="counter-clockwise from +x (east)", ge=-2 * math.pi, le=2 * math.pi
+    field_of_view: float | None = key(
+        None, unit="rad", meaning="from the lower to the upper edge; null: that of `camera`", gt=0, le=3
     )
-    pitch: float = key(unit="rad", meaning="below the horizontal", ge=-math.pi / 2, le=math.pi / 2)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not self.position[2] > 0:
-            raise wrong("position", f"have a height greater than 0 m, but it is {self.position[2]:g}")
+        check_aim(self.position, self.heading, self.pitch, self.target)
+        if self.target is None:
+            for name, value in (("heading", self.heading), ("pitch", self.pitch)):
+                if value is None:
+                    raise wrong(name, "be given where there is no `target`")
         return self
 
 
@@ -42,9 +53,11 @@ class AnimateConfig(SceneConfig):
     path: tuple[KeyFrameConfig, ...] = key(
         (),
         meaning="key frames of the camera, smoothly joined; none: it stands still",
-        within="each {time, position, heading, pitch}, times increase",
+        within="each {time, position, heading and pitch, or target; roll, field_of_view}, times increase",
         max_length=1000,
     )
+    image: RayImageConfig = key(RayImageConfig(), meaning="the image")
+    exr: bool = key(False, meaning="whether to keep each frame's light and layers too, as OpenEXR")
     compare: tuple[Literal["unfiltered", "supersampled"], ...] = key(
         (),
         meaning="render these as well, and say how much each flickers: looked up at the pixels' centres alone, or "
@@ -68,6 +81,8 @@ class AnimateConfig(SceneConfig):
                 "duration",
                 f"be such that it times `frames_per_second` is at most {MOST} frames, but that is {self.frames}",
             )
+        if self.compare and self.image.method == "rays":
+            raise wrong("compare", "be empty with the method rays: it compares ways to look up a mesh")
         if len(set(self.compare)) < len(self.compare):
             raise wrong("compare", "hold each name once")
         if self.compare and self.frames < 3:

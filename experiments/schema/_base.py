@@ -5,6 +5,9 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+QUARTER_TURN, HALF_TURN, TURN = 1.571, 3.142, 6.284
+"""π/2, π and 2π [rad], rounded up: whoever types 1.5708 means π/2."""
+
 
 class Section(BaseModel):
     """A group of keys. Unknown keys, numbers in quotes, `true` for 1.0, NaN and infinity are all refused."""

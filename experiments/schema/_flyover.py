@@ -28,6 +28,8 @@ class FlyoverConfig(SceneConfig):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.camera.target is not None:
+            raise wrong("camera.target", "be null: a climb keeps its heading and its pitch")
         if not self.highest > self.lowest:
             raise wrong("highest", f"be above `lowest` = {self.lowest:g} m, but is {self.highest:g} m")
         return self

@@ -1,11 +1,11 @@
 """What a picture is made from, and the config of `render`."""
 
-import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ._base import ExperimentConfig, Section, key, wrong
+from ._base import QUARTER_TURN, TURN, ExperimentConfig, Section, key, wrong
+from ._camera import CameraConfig
 from ._sea import (
     CascadeConfig,
     Choppiness,
@@ -15,35 +15,21 @@ from ._sea import (
     choppiness_key,
     threshold_key,
 )
+from ._shading import FoamLookConfig, ShadingConfig
 from ._spectra import ElfouhailyConfig, SpectrumConfig
 
 Colour = tuple[float, float, float]
 
 
-class CameraConfig(Section):
-    """`camera`: where it stands and where it looks."""
-
-    position: tuple[float, float, float] = key(
-        (0.0, 0.0, 10.0), unit="m", meaning="x, y and height above the resting water", within="height > 0"
-    )
-    heading: float = key(
-        0.0, unit="rad", meaning="looks to, counter-clockwise from +x (east)", ge=-2 * math.pi, le=2 * math.pi
-    )
-    pitch: float = key(
-        0.2, unit="rad", meaning="how far below the horizontal it looks", ge=-math.pi / 2, le=math.pi / 2
-    )
-    field_of_view: float = key(1.0, unit="rad", meaning="from the lower to the upper edge", gt=0, le=3)
-    roll: float = key(0.0, unit="rad", meaning="turn around the direction of view", ge=-math.pi, le=math.pi)
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if not self.position[2] > 0:
-            raise wrong("position", f"have a height greater than 0 m, but it is {self.position[2]:g}")
-        return self
-
-
 def _sun_elevation(default: float = 0.7):
-    return key(default, unit="rad", meaning="of the sun above the horizon", ge=-math.pi / 2, le=math.pi / 2)
+    return key(
+        default,
+        unit="rad",
+        meaning="of the sun above the horizon",
+        within="-π/2 to π/2",
+        ge=-QUARTER_TURN,
+        le=QUARTER_TURN,
+    )
 
 
 def _sun_azimuth():
@@ -51,17 +37,36 @@ def _sun_azimuth():
         0.0,
         unit="rad",
         meaning="towards the sun, counter-clockwise from +x (east)",
-        ge=-2 * math.pi,
-        le=2 * math.pi,
+        within="-2π to 2π",
+        ge=-TURN,
+        le=TURN,
     )
+
+
+def _turbidity():
+    return key(3.0, unit="-", meaning="haze; 2 to 3 over a clear ocean", ge=1, le=10)
+
+
+def _albedo():
+    return key(0.06, unit="-", meaning="of what lies below; 0.06 for the sea", ge=0, le=1)
 
 
 class ClearSkyConfig(Section):
     """`sky` of kind `clear`: Hošek & Wilkie's, with its sun."""
 
     kind: Literal["clear"] = key("clear", meaning="what sky")
-    turbidity: float = key(3.0, unit="-", meaning="haze; 2 to 3 over a clear ocean", ge=1, le=10)
-    albedo: float = key(0.06, unit="-", meaning="of what lies below; 0.06 for the sea", ge=0, le=1)
+    turbidity: float = _turbidity()
+    albedo: float = _albedo()
+    sun_elevation: float = _sun_elevation()
+    sun_azimuth: float = _sun_azimuth()
+
+
+class SpectralSkyConfig(Section):
+    """`sky` of kind `spectral`: the clear sky at eleven wavelengths, seen through the CIE observer; slower."""
+
+    kind: Literal["spectral"] = key("spectral", meaning="what sky")
+    turbidity: float = _turbidity()
+    albedo: float = _albedo()
     sun_elevation: float = _sun_elevation()
     sun_azimuth: float = _sun_azimuth()
 
@@ -89,7 +94,7 @@ class PanoramaSkyConfig(Section):
     kind: Literal["panorama"] = key("panorama", meaning="what sky")
     file: str = key(meaning="PNG, JPEG or EXR; the upper half is the sky", min_length=1)
     rotation: float = key(
-        0.0, unit="rad", meaning="turn around the vertical", ge=-2 * math.pi, le=2 * math.pi
+        0.0, unit="rad", meaning="turn around the vertical", within="-2π to 2π", ge=-TURN, le=TURN
     )
     scale: float = key(1.0, unit="-", meaning="factor of its light", gt=0, le=1e6)
     sun: Colour = key((0.0, 0.0, 0.0), unit="W m-2 nm-1", meaning="irradiance of a sun it does not hold")
@@ -97,7 +102,9 @@ class PanoramaSkyConfig(Section):
     sun_azimuth: float = _sun_azimuth()
 
 
-SkyConfig = Annotated[ClearSkyConfig | EvenSkyConfig | PanoramaSkyConfig, Field(discriminator="kind")]
+SkyConfig = Annotated[
+    ClearSkyConfig | SpectralSkyConfig | EvenSkyConfig | PanoramaSkyConfig, Field(discriminator="kind")
+]
 
 
 class WaterConfig(Section):
@@ -112,30 +119,32 @@ class WaterConfig(Section):
     sunlit: bool = key(True, meaning="whether the sun lights the water of `colour`, or (false) the sky alone")
 
 
-class FoamLookConfig(Section):
-    """`foam`: how whitecaps look."""
-
-    reflectance: float = key(
-        0.22, unit="-", meaning="0.22 effective (Koepke), 0.4 in Dupuy & Bruneton", ge=0, le=1
-    )
-
-
 class ImageConfig(Section):
     """`image`: its size, and how light becomes code values."""
 
     height: int = key(720, unit="pixels", meaning="rows", ge=2, le=8192)
     width: int = key(1280, unit="pixels", meaning="columns", ge=2, le=8192)
     tone: Literal["exposure", "filmic", "bruneton"] = key("filmic", meaning="tone mapping")
+    white_balance: Literal["none", "sun_and_sky"] | None = key(
+        None,
+        meaning="what is white: sRGB's (1, 1, 1), or a level white plate in the light of sun and sky; null: the latter "
+        "under a clear or spectral sky",
+        within="none | sun_and_sky | null",
+    )
     exposure: float | None = key(
-        None, unit="-", meaning="factor of the light before it; null: from the picture itself", gt=0, le=1e6
+        None,
+        unit="-",
+        meaning="factor of the light before it; null: from the picture, and no brighter than dusk is",
+        gt=0,
+        le=1e9,
     )
     vertex_spacing: float = key(
         4.0, unit="pixels", meaning="from one vertex of the mesh to the next", ge=0.5, le=64
     )
 
 
-class StillImageConfig(ImageConfig):
-    """`image` of a single picture: rays are an alternative to the mesh."""
+class RayImageConfig(ImageConfig):
+    """`image` where rays are an alternative to the mesh."""
 
     method: Literal["raster", "rays"] = key("raster", meaning="how pixels find the sea: a mesh, or rays")
     samples: int = key(
@@ -151,11 +160,19 @@ class SceneConfig(ExperimentConfig):
     cascade: CascadeConfig = key(CascadeConfig(), meaning="the periodic patterns")
     choppiness: Choppiness = choppiness_key()
     threshold: float = threshold_key(0.65)
+    unresolved_scale: float | None = key(
+        None,
+        unit="-",
+        meaning="factor on the variance of waves too short for the cascade, which only glitter; null: spectrum.scale",
+        ge=0,
+        le=1e4,
+    )
     breaking_wavenumber: float | None = breaking_wavenumber_key()
     camera: CameraConfig = key(CameraConfig(), meaning="the camera")
     sky: SkyConfig = key(ClearSkyConfig(), meaning="where the light comes from")
     water: WaterConfig = key(WaterConfig(), meaning="the colour of the water body")
     foam: FoamLookConfig = key(FoamLookConfig(), meaning="the look of whitecaps")
+    shading: ShadingConfig = key(ShadingConfig(), meaning="how the surface reflects")
     image: ImageConfig = key(ImageConfig(), meaning="the image")
     planet: bool = key(False, meaning="whether the sea curves with the earth: for views from high above")
 
@@ -173,4 +190,4 @@ class RenderConfig(SceneConfig):
 
     experiment: Literal["render"] = key("render", meaning="which experiment this config runs")
     time: float = key(0.0, unit="s", meaning="time of the picture", ge=0, le=1e9)
-    image: StillImageConfig = key(StillImageConfig(), meaning="the image")
+    image: RayImageConfig = key(RayImageConfig(), meaning="the image")

@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from ._base import Section, key, wrong
+from ._base import TURN, Section, key, wrong
 
 DEFAULT_BREAKING_WAVENUMBER = math.pi * 256 / 11
 """k_b [rad/m]: what the default cascade resolves."""
@@ -21,8 +21,8 @@ class WindConfig(Section):
         unit="rad",
         meaning="blows towards, counter-clockwise from +x (east)",
         within="-2π to 2π",
-        ge=-2 * math.pi,
-        le=2 * math.pi,
+        ge=-TURN,
+        le=TURN,
     )
     fetch: float | None = key(
         None, unit="m", meaning="distance it has blown; null: fully developed", gt=0, le=1e8

@@ -1,12 +1,11 @@
 """The config of `ship_records`."""
 
-import math
 from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import model_validator
 
-from ._base import ExperimentConfig, Section, key
+from ._base import TURN, ExperimentConfig, Section, key
 from ._calibration import LawName
 from ._data import data_folder
 from ._measured import (
@@ -29,8 +28,8 @@ class ShipSwellConfig(Section):
         0.0,
         unit="rad",
         meaning="of the swell to the wind, counter-clockwise",
-        ge=-2 * math.pi,
-        le=2 * math.pi,
+        ge=-TURN,
+        le=TURN,
     )
     width: float = key(0.1, unit="-", meaning="σ/f_p of its bell in frequency", ge=0.01, le=0.3)
     spreading: SpreadingConfig = key(

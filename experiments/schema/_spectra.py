@@ -1,11 +1,10 @@
 """The section `spectrum`: one family of wave spectra, each with keys of its own."""
 
-import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ._base import Section, key, wrong
+from ._base import TURN, Section, key, wrong
 
 
 class CosineSpreading(Section):
@@ -61,8 +60,8 @@ class SwellConfig(Section):
         unit="rad",
         meaning="travels towards, counter-clockwise from +x (east), like `wind.direction`",
         within="-2π to 2π",
-        ge=-2 * math.pi,
-        le=2 * math.pi,
+        ge=-TURN,
+        le=TURN,
     )
     width: float = key(0.1, unit="-", meaning="σ/f_p of the bell in frequency", ge=0.01, le=0.3)
     spreading: SpreadingConfig = key(

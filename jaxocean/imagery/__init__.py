@@ -1,4 +1,4 @@
-"""Pixels: tone mapping, the sRGB transfer function, and how far two images are apart."""
+"""Pixels: tone mapping, white balance, the sRGB transfer function, and how far two images are apart."""
 
 from ._measures import largest_error as largest_error
 from ._measures import mean_absolute_error as mean_absolute_error
@@ -13,3 +13,4 @@ from ._tone import AbstractTone as AbstractTone
 from ._tone import Bruneton as Bruneton
 from ._tone import Exposure as Exposure
 from ._tone import Filmic as Filmic
+from ._white_balance import white_balance as white_balance

@@ -10,7 +10,7 @@ from .._types import Scalar, ScalarLike
 from ..filtering import symmetric_matrix
 from ..optics import AbstractFoam, AbstractWater, Foam, Shading, Water
 from ..optics.sky import AbstractSky, HosekWilkie
-from ..spectra import slope_variance
+from ..spectra import AbstractSpectrum, slope_variance
 from ..surface import Fields, Sea, pattern_choppiness
 from ..whitecaps import (
     AbstractBreaking,
@@ -35,6 +35,7 @@ class Ocean(eqx.Module):
     | `choppiness` λ | - | 1 | horizontal displacement, one number or one per pattern |
     | `threshold` ε | - | 0.5 | breaking where j < ε |
     | `breaking_wavenumber` k_b | rad/m | 73.1 | waves shorter than this do not count for breaking; None: all do |
+    | `unresolved` | | that of `sea` | spectrum of the waves too short for the patterns, which only glitter |
     | `closure` | | exact, projected | from strain statistics to coverage |
     | `breaking` | | hard | the indicator at a point |
     | `sky` | | clear, sun 0.7 rad up | where the light comes from |
@@ -53,6 +54,7 @@ class Ocean(eqx.Module):
     breaking_wavenumber: Scalar | None = eqx.field(
         converter=optional_leaf, default=BREAKING_WAVENUMBER, kw_only=True
     )
+    unresolved: AbstractSpectrum | None = eqx.field(default=None, kw_only=True)
     closure: AbstractClosure = eqx.field(default=ExactClosure(), kw_only=True)
     breaking: AbstractBreaking = eqx.field(default=HardBreaking(), kw_only=True)
     sky: AbstractSky = eqx.field(default_factory=HosekWilkie, kw_only=True)
@@ -62,6 +64,10 @@ class Ocean(eqx.Module):
 
     def __check_init__(self) -> None:
         check_kind("sea", self.sea, Sea, "a sea made by `surface.realise`")
+        if self.unresolved is not None:
+            check_kind(
+                "unresolved", self.unresolved, AbstractSpectrum, "a spectrum such as `Elfouhaily(wind)`"
+            )
         check_kind("closure", self.closure, AbstractClosure, "a closure such as `ExactClosure()`")
         check_kind("breaking", self.breaking, AbstractBreaking, "an indicator such as `HardBreaking()`")
         check_kind("sky", self.sky, AbstractSky, "a sky such as `HosekWilkie()`")
@@ -98,11 +104,12 @@ class Ocean(eqx.Module):
         return self.closure(self.statistics(), self.threshold)
 
     def unresolved_slopes(self) -> Float[Array, "2 2"]:
-        """Covariance of the slopes [-] of all waves that are too short for the patterns, from the spectrum.
+        """Covariance of the slopes [-] of all waves that are too short for the patterns, from their spectrum.
 
         They make no picture, but glitter: light meets waves of up to 2000 rad/m, as Cox & Munk's slopes do.
         """
         limit = self.sea.cascade.wavenumber_limit
         if limit >= SHORTEST:
             return jnp.zeros((2, 2), self.sea.waves.rate.dtype)
-        return symmetric_matrix(jnp.stack(slope_variance(self.sea.spectrum, band=(limit, SHORTEST))))
+        spectrum = self.sea.spectrum if self.unresolved is None else self.unresolved
+        return symmetric_matrix(jnp.stack(slope_variance(spectrum, band=(limit, SHORTEST))))

@@ -22,6 +22,7 @@ from ._mixing import AdditiveMixing as AdditiveMixing
 from ._mixing import ShareMixing as ShareMixing
 from ._surface_radiance import Shading as Shading
 from ._surface_radiance import SurfaceRadiance as SurfaceRadiance
+from ._surface_radiance import foam_in_view as foam_in_view
 from ._surface_radiance import surface_radiance as surface_radiance
 from ._water import AbstractWater as AbstractWater
 from ._water import ConstantWater as ConstantWater

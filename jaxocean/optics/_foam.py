@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._numerics import as_leaf, check_scalar
+from .._numerics import as_leaf, check_scalar, optional_leaf
 from .._types import Scalar
 from ._colour import reflectance_to_srgb
 from .sky._colour_leaf import as_colour, check_colour
@@ -87,6 +87,7 @@ class AgeingFoam(AbstractFoam):
     | `fading_time` T | s | 2.353 | time in which a parcel of foam loses its brightness |
     | `decay_time` τ | s | 3.53 | time in which the area of foam decays, for foam of unknown age |
     | `colour` | - | 1 | factors in linear sRGB, (3,); `frouin_colour()` for the fall towards the red |
+    | `age` t | s | none | of all foam whose age is not told; none: the mean over the ages |
 
     **Source:** Koepke 1984, Appl. Opt. 23; τ of Monahan & Lu 1990, IEEE J. Oceanic Eng. 15.
     """
@@ -95,14 +96,17 @@ class AgeingFoam(AbstractFoam):
     fading_time: Scalar = eqx.field(converter=as_leaf, default=3.53 * 0.4 / 0.6)
     decay_time: Scalar = eqx.field(converter=as_leaf, default=3.53)
     colour: Float[Array, "3"] = eqx.field(converter=as_colour, default=1.0)
+    age: Scalar | None = eqx.field(converter=optional_leaf, default=None)
 
     def __check_init__(self) -> None:
+        check_scalar("age", self.age, "s", minimum=0.0)
         check_scalar("fresh", self.fresh, "", minimum=0.0, maximum=1.0)
         check_scalar("fading_time", self.fading_time, "s", positive=True)
         check_scalar("decay_time", self.decay_time, "s", positive=True)
         check_colour("colour", self.colour, "")
 
     def reflectance(self, age: Float[Array, "*b"] | None = None) -> Float[Array, "..."]:
+        age = self.age if age is None else age
         if age is None:
             return self.fresh * self.fading_time / (self.fading_time + self.decay_time) * self.colour
         fading = self.fresh * jnp.exp(-jnp.maximum(age, 0.0) / self.fading_time.astype(age.dtype))

@@ -110,8 +110,9 @@ def surface_radiance(
     on_foam = once(jnp.maximum(to_sun[..., 2] - x * to_sun[..., 0] - y * to_sun[..., 1], 0.0) * upright)
     scattered = foam.reflectance(foam_age).astype(dtype) / math.pi
 
-    hidden = facing(to_viewer, slope, slope_covariance).hidden
-    clear, white = shading.mixing(shading.foam_view(coverage, hidden))
+    clear, white = shading.mixing(
+        foam_in_view(to_viewer, slope, slope_covariance, coverage, shading.foam_view)
+    )
     clear, white = once(clear), once(white)
     # Channel by channel: XLA on the CPU is slow with short last axes.
     parts = [
@@ -125,6 +126,22 @@ def surface_radiance(
     ]
     total = jnp.stack([sun + mirror + deep + foamy for sun, mirror, deep, foamy in parts], axis=-1)
     return SurfaceRadiance(total, *(jnp.stack(each, axis=-1) for each in zip(*parts, strict=True)))
+
+
+def foam_in_view(
+    to_viewer: Float[Array, "*b 3"],
+    slope: Float[Array, "*b 2"],
+    slope_covariance: Float[Array, "*b 2 2"],
+    coverage: Float[Array, "*b"],
+    view: AbstractFoamView,
+) -> Float[Array, "*b"]:
+    """The share of what is seen of footprints that is foam, past the waves that are inside of them.
+
+    **Arguments:** those of `surface_radiance`; `view`: how those waves hide foam.
+
+    **Returns:** a share in 0 … 1, (*b).
+    """
+    return view(coverage, facing(to_viewer, slope, slope_covariance).hidden)
 
 
 def _check_coverage(coverage: Float[Array, "*b"]) -> None:

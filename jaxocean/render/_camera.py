@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._numerics import as_leaf, check_scalar, is_concrete, safe_angle, safe_norm
+from .._numerics import UPRIGHT, as_leaf, as_upright_angle, check_scalar, is_concrete, safe_angle, safe_norm
 from .._types import PerPattern, Scalar, ScalarLike
 from ..surface import Fields, Sea
 from ..surface.fft._points import reduce_points
@@ -40,12 +40,12 @@ class Camera(eqx.Module):
     All are differentiable.
 
     **Raises:** `ValueError` for numbers that are not finite, a field of view outside 0 to 3 rad, or a pitch beyond
-    straight up or down.
+    straight up or down (by more than a rounded π/2 is).
     """
 
     position: Float[Array, "3"] = eqx.field(converter=_as_vector)
     heading: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
-    pitch: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
+    pitch: Scalar = eqx.field(converter=as_upright_angle, default=0.0, kw_only=True)
     field_of_view: Scalar = eqx.field(converter=as_leaf, default=np.pi / 3, kw_only=True)
     roll: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
 
@@ -53,8 +53,7 @@ class Camera(eqx.Module):
         if is_concrete(self.position) and not np.all(np.isfinite(self.position)):
             raise ValueError(f"Argument `position` must be finite, but is {self.position} m.")
         check_scalar("heading", self.heading, "rad")
-        upright = np.pi / 2 + 1e-6
-        check_scalar("pitch", self.pitch, "rad", minimum=-upright, maximum=upright)
+        check_scalar("pitch", self.pitch, "rad", minimum=-UPRIGHT, maximum=UPRIGHT)
         check_scalar("field_of_view", self.field_of_view, "rad", positive=True, maximum=WIDEST)
         check_scalar("roll", self.roll, "rad")
 
@@ -148,11 +147,12 @@ class Camera(eqx.Module):
 def check_size(size: tuple[int, int]) -> tuple[int, int]:
     """The size (rows, columns) of an image, or an error.
 
-    **Raises:** `ValueError` for an image without pixels, or with more than 16384 along a side.
+    **Raises:** `ValueError` for an image without pixels, with parts of them, or with more than 16384 along a side.
     """
-    if len(size) != 2 or not all(1 <= side <= LARGEST for side in size):
+    whole = isinstance(size, (tuple, list)) and all(isinstance(side, (int, np.integer)) for side in size)
+    if not whole or len(size) != 2 or not all(1 <= side <= LARGEST for side in size):
         raise ValueError(
-            f"Argument `size` must be (rows, columns) with 1 to {LARGEST} pixels each, but is {tuple(size)}."
+            f"Argument `size` must be (rows, columns) with 1 to {LARGEST} whole pixels each, but is {size!r}."
         )
     return size
 

@@ -8,11 +8,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._elementary import once
-from .._numerics import as_leaf, is_concrete
+from .._numerics import as_leaf, check_kind, check_scalar, is_concrete
 from .._types import FloatLike, Scalar, ScalarLike
 from ..filtering import symmetric_matrix
 from ..ocean import Ocean
-from ..optics import SurfaceRadiance, surface_radiance
+from ..optics import SurfaceRadiance, foam_in_view, surface_radiance
 from ..optics.sky import AbstractSky, ImageSky, LocalSky, Mirror, bake
 from ..surface import Fields
 from ..whitecaps import AbstractClosure, ExactClosure, FastClosure, StrainStatistics
@@ -81,7 +81,8 @@ def render(
 
     **Returns:** radiance, linear with sRGB primaries, in the unit of the sky's radiance.
 
-    **Raises:** `ValueError` for a size that makes no sense or a camera under water.
+    **Raises:** `ValueError` for arguments of the wrong kind, a size or curvature that makes no sense, or a camera under
+    water.
 
     **Source:** Dupuy & Bruneton 2012, with the exact closure in place of their eqs 6–8.
     """
@@ -136,16 +137,21 @@ SCALE_HEIGHT = 8e3
 
 
 def _prepared(ocean, camera, time, size, method, curvature) -> tuple:
+    check_kind("ocean", ocean, Ocean, "an `Ocean`")
+    check_kind("camera", camera, Camera, "a `Camera`")
+    if method is not None:
+        check_kind("method", method, (Raster, Rays), "`Raster()` or `Rays()`")
     check_size(size)
+    # A plane that is known to be one has the same vertical everywhere, and its light costs less. Before it becomes an
+    # array, which would not be known while a program is traced.
+    flat = is_concrete(curvature) and float(curvature) == 0
+    curvature = as_leaf(curvature)
+    check_scalar("curvature", curvature, "1/m", minimum=0.0)
     # A plain number for the time keeps its double precision, and compiles nothing anew.
     fields = ocean.fields(time)
     if all(is_concrete(leaf) for leaf in jax.tree.leaves((camera, ocean.sea, ocean.choppiness, time))):
         check_above(camera, ocean.sea, time, ocean.choppiness, fields)
-    # A plane that is known to be one has the same vertical everywhere, and its light costs less. Before it becomes an
-    # array, which would not be known while a program is traced.
-    flat = is_concrete(curvature) and float(curvature) == 0
-    method = Raster() if method is None else method
-    return ocean, camera, fields, size, method, as_leaf(curvature), flat
+    return ocean, camera, fields, size, Raster() if method is None else method, curvature, flat
 
 
 Colour = tuple[Float[Array, "rows columns"], ...]
@@ -174,14 +180,10 @@ class _Scene:
         return seen_coverage(visible.strain, self.ocean.threshold, _fast(self.ocean.closure), visible.area)
 
     def light(self, visible: Visible, coverage: Float[Array, "*b"]) -> SurfaceRadiance:
-        ocean, rays, sky = self.ocean, visible.rays, self.mirrored
-        # Component by component: XLA on the CPU is slow with short last axes.
-        to_viewer = -rays[..., 0], -rays[..., 1], -rays[..., 2]
-        if not self.flat:
-            up = visible.up
-            to_viewer, sky = to_local(to_viewer, up), self.local(sky, up)
+        ocean = self.ocean
+        sky = self.mirrored if self.flat else self.local(self.mirrored, visible.up)
         return surface_radiance(
-            jnp.stack(to_viewer, axis=-1),
+            self.to_viewer(visible),
             visible.slope,
             self.covariance(visible),
             coverage,
@@ -196,6 +198,20 @@ class _Scene:
         sun = sky.sun_direction.astype(up[0].dtype)
         x, y, z = (jnp.broadcast_to(sun[i], up[0].shape) for i in range(3))
         return LocalSky(sky, jnp.stack(to_local((x, y, z), up), axis=-1))
+
+    def to_viewer(self, visible: Visible) -> Float[Array, "*b 3"]:
+        """Unit vectors to the camera, relative to the vertical of each place."""
+        rays = visible.rays
+        # Component by component: XLA on the CPU is slow with short last axes.
+        there = -rays[..., 0], -rays[..., 1], -rays[..., 2]
+        return jnp.stack(there if self.flat else to_local(there, visible.up), axis=-1)
+
+    def seen_foam(
+        self, visible: Visible, covariance: Float[Array, "*b 2 2"], coverage: Float[Array, "*b"]
+    ) -> Float[Array, "*b"]:
+        """The coverage as it is seen past the waves inside the footprint."""
+        view = self.ocean.shading.foam_view
+        return foam_in_view(self.to_viewer(visible), visible.slope, covariance, coverage, view)
 
     def background(self, visible: Visible) -> Colour:
         """The sky where no sea is seen, else 0."""
@@ -282,7 +298,7 @@ def _layers(
             foam=sea(light.foam),
             background=background,
             sea=hit.astype(covariance.dtype),
-            coverage=sea(coverage),
+            coverage=sea(scene.seen_foam(visible, covariance, coverage)),
             depth=sea(visible.depth),
             rest_point=sea(visible.rest_point),
             normal=sea(visible.normal),

@@ -18,12 +18,12 @@ from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
 from experiments.harness._progress import Silent
-from experiments.pictures import _scene
+from experiments.pictures import _scene, animate
 from experiments.pictures._flicker import flicker, relative_flicker
 from experiments.pictures._frames import Frames
 from experiments.pictures._path import Path as CameraPath
 from jaxocean import render
-from jaxocean.io import write_png
+from jaxocean.io import read_exr, write_png
 
 SCENE = """
 wind: {speed: 12.0}
@@ -43,6 +43,7 @@ path:
   - {time: 3.0, position: [0, 0, 20], heading: 0.2, pitch: 0.3}
   - {time: 3.5, position: [4, 1, 15], heading: 0.3, pitch: 0.3}
   - {time: 4.0, position: [9, 2, 12], heading: 0.5, pitch: 0.4}
+exr: true
 """
 CLIMB = "experiment: flyover\nlowest: 10\nhighest: 1000\nheights: 3\nrepeats: 3\ncamera: {pitch: 0.5}\n"
 
@@ -101,7 +102,7 @@ def test_an_interrupted_sequence_goes_on_with_the_frames_that_are_missing(made):
     assert set(kept) == {"frame_00000.png", "frame_00001.png"}
     assert second.frames == 2
     files = {file.name: file.stat().st_mtime_ns for file in (finished.folder / "frames").iterdir()}
-    assert set(files) == {f"frame_0000{i}.png" for i in range(3)}
+    assert set(files) == {f"frame_0000{i}.{kind}" for i in range(3) for kind in ("png", "exr")}
     assert files["frame_00001.png"] == kept["frame_00001.png"]
     assert files["frame_00000.png"] > kept["frame_00000.png"]
     assert not list(finished.folder.parent.glob(".*.unfinished"))
@@ -126,17 +127,28 @@ def test_a_frame_is_the_picture_of_its_time_from_its_place(made):
     layers = render.render_layers(
         _scene.ocean(settings), camera, 4.0, (18, 32), method=render.Raster(4.0), curvature=0.0
     )
-    code = _scene.code(settings.image, exposure, np.asarray(layers.radiance))
+    code = _scene.code(settings, exposure, np.asarray(layers.radiance))
     frame = imageio.imread(finished.folder / "frames" / "frame_00002.png")
     assert np.abs(frame - np.round(255 * code)).max() <= 1
     assert np.abs(frame.astype(float) - imageio.imread(finished.folder / "frames/frame_00000.png")).mean() > 2
+
+
+def test_a_frame_keeps_its_light_and_layers_too(made):
+    loaded, finished, *_ = made
+    exposure = json.loads((finished.folder / "result.json").read_text())["exposure"]
+    layers = read_exr(finished.folder / "frames" / "frame_00001.exr")
+    radiance = np.stack([layers[name] for name in "RGB"], axis=-1)
+    frame = imageio.imread(finished.folder / "frames" / "frame_00001.png")
+    code = _scene.code(loaded.config, exposure, radiance)
+    assert np.abs(frame - 255 * code).max() < 1.0
+    assert {"sun.R", "sky.G", "foam.B", "coverage.Y", "depth.Z"} <= set(layers)
 
 
 def test_gif_and_report_hold_the_whole_sequence(made):
     _, finished, *_ = made
     assert imageio.imread(finished.folder / "animation.gif", index=None).shape == (3, 18, 32, 3)
     assert "3 frames at 2 per second" in (finished.folder / "report.md").read_text()
-    assert "frames/ (3 files)" in finished.contents()
+    assert "frames/ (6 files)" in finished.contents()
     assert (finished.folder / "sequence.png").is_file()
 
 
@@ -182,6 +194,12 @@ def test_a_camera_under_water_is_refused_with_the_time_before_anything_is_render
         ("duration: 1.5", "duration: 90000.0", "`duration` in * must be such that * at most 100000 frames"),
         ("time: 4.0", "time: 3.2", "`path` in * must hold times that increase, but 3.2 s follows 3.5 s"),
         ("[0, 0, 20]", "[0, 0, -1]", "must have a height greater than 0 m, but it is -1"),
+        (", pitch: 0.4", "", "`path.2.pitch` in * must be given where there is no `target`"),
+        (
+            "pitch: 0.4",
+            "pitch: 0.4, target: [1, 2, 3]",
+            "`path.2.target` in * must be null where `heading` or",
+        ),
         ("start:", "compare: [unfiltered, unfiltered]\nstart:", "`compare` in * must hold each name once"),
     ],
 )
@@ -211,6 +229,25 @@ def test_a_path_passes_its_key_frames_turns_the_shorter_way_and_stays_between_th
     # The direction of flight does not jump at the key frame in between.
     before, at, after = (np.array(path.place(t)[:3]) for t in (3.499, 3.5, 3.501))
     np.testing.assert_allclose((at - before) / 1e-3, (after - at) / 1e-3, rtol=0.02)
+
+
+def test_key_frames_may_give_a_target_roll_and_field_of_view(tmp_path):
+    whole = "heading: 0.2, pitch: 0.3", "heading: 0.3, pitch: 0.3", "heading: 0.5, pitch: 0.4"
+    aims = "target: [50, 0, 0]", "target: [50, 0, 0], roll: 0.2", "target: [50, 0, 0], field_of_view: 0.5"
+    aimed = MOVING
+    for old, new in zip(whole, aims, strict=True):
+        aimed = aimed.replace(old, new)
+    path = CameraPath(config(tmp_path, aimed).config)
+    for time in np.linspace(2.5, 4.5, 21):
+        pixel, ahead = path(time).project(jnp.array([50.0, 0.0, 0.0]), (18, 32))
+        np.testing.assert_allclose(pixel, [16, 9], atol=1e-6)
+        assert ahead > 0
+    np.testing.assert_allclose(path.place(3.5)[5:], [0.2, 1.0])
+    np.testing.assert_allclose(path.place(4.0)[5:], [0.0, 0.5])
+    # One target among headings says where to look at its own time.
+    mixed = CameraPath(config(tmp_path, MOVING.replace(whole[1], aims[0])).config)
+    np.testing.assert_allclose(mixed.place(3.5)[3:5], [np.arctan2(-1, 46), np.arctan2(15, np.hypot(46, 1))])
+    np.testing.assert_allclose(mixed.place(3.0)[3:5], [0.2, 0.3])
 
 
 def test_frames_survive_a_line_that_was_cut_off(tmp_path):
@@ -257,6 +294,19 @@ def test_a_climb_sees_larger_footprints_and_in_the_end_the_coverage_of_the_sea(t
         assert data.render_time.shape == (3, 3)
         assert float(data.render_time.min()) > 0
     assert {"flyover.png", "heights.png", "report.md"} <= set(finished.files())
+
+
+def test_a_sequence_may_follow_rays_but_not_compare_them(tmp_path):
+    rays = "image.method=rays", "image.samples=2"
+    image = config(tmp_path, MOVING, *rays).config.image
+    assert animate._method(image, animate.LOOKS["filtered"]) == render.Rays(2)
+    with pytest.raises(UserError, match=r"`compare` .* must be empty with the method rays"):
+        config(tmp_path, MOVING, *rays, "compare=[unfiltered]")
+
+
+def test_a_climb_has_no_target(tmp_path):
+    with pytest.raises(UserError, match=r"`camera\.target` .* must be null: a climb keeps its heading"):
+        config(tmp_path, CLIMB.replace("pitch: 0.5", "target: [9, 9, 0]"))
 
 
 def test_a_climb_that_goes_down_is_refused(tmp_path):

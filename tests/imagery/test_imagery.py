@@ -23,6 +23,7 @@ from jaxocean.imagery import (
     psnr,
     structural_similarity,
     to_bytes,
+    white_balance,
 )
 
 # colour-science 0.4.7: colour.models.eotf_inverse_sRGB and eotf_sRGB
@@ -169,3 +170,22 @@ def test_structural_similarity_is_that_of_gaussian_windows_from_scipy():
 def test_an_exposure_must_be_positive(kind, wrong):
     with pytest.raises(ValueError, match="`exposure` must be"):
         kind(wrong)
+
+
+def test_the_white_becomes_grey_and_green_stays():
+    white = jnp.array([1.2, 1.0, 0.8])
+    balanced = white_balance(jnp.array([[0.6, 0.5, 0.4], [0.1, 0.2, 0.3]]), white)
+    np.testing.assert_allclose(balanced[0], 0.5)
+    np.testing.assert_allclose(balanced[1], [0.1 / 1.2, 0.2, 0.3 / 0.8])
+    np.testing.assert_allclose(white_balance(balanced, jnp.full(3, 7.0)), balanced)
+
+
+def test_light_without_blue_leaves_the_picture_finite():
+    balanced = white_balance(jnp.array([0.5, 0.5, 0.0]), jnp.array([1.0, 0.5, -0.1]))
+    assert np.all(np.isfinite(balanced))
+
+
+def test_the_derivatives_of_the_white_balance_are_right():
+    assert_gradient_matches(
+        lambda x: jnp.sum(white_balance(x[:3], x[3:]) ** 2), [[0.3, 0.5, 0.2, 1.1, 0.9, 0.7]], rtol=1e-6
+    )

@@ -64,3 +64,19 @@ def test_oceans_batch_over_winds():
 def test_more_choppiness_than_patterns_is_refused():
     with pytest.raises(ValueError, match="one for each of the 2 patterns"):
         ocean(choppiness=(1.0, 1.0, 1.0))
+
+
+def test_waves_that_no_pattern_holds_may_have_a_spectrum_of_their_own():
+    usual = ocean()
+    spectrum = usual.sea.spectrum
+
+    def short(factor):
+        return jo.Ocean(usual.sea, unresolved=factor * spectrum).unresolved_slopes()
+
+    np.testing.assert_allclose(short(1.0), usual.unresolved_slopes(), rtol=1e-12)
+    np.testing.assert_allclose(short(0.25), 0.25 * usual.unresolved_slopes(), rtol=1e-12)
+    assert_gradient_matches(lambda x: jnp.sum(short(x[0])), [[0.5]], rtol=1e-6)
+    # What the patterns hold, and so foam, does not ask for it.
+    np.testing.assert_array_equal(
+        jo.Ocean(usual.sea, unresolved=9 * spectrum).coverage(), jo.Ocean(usual.sea).coverage()
+    )

@@ -43,6 +43,13 @@ def test_ageing_foam_has_koepkes_factor_on_average_over_its_ages():
     np.testing.assert_allclose(foam.reflectance(jnp.array([0.0]))[0], 0.55, rtol=1e-6)
 
 
+def test_all_foam_may_have_one_age():
+    np.testing.assert_allclose(AgeingFoam(age=2.353).reflectance(), 0.55 / np.e, rtol=1e-3)
+    np.testing.assert_allclose(AgeingFoam(age=9.0).reflectance(jnp.array([0.0]))[0], 0.55, rtol=1e-6)
+    with pytest.raises(ValueError, match="`age` must be at least 0 s"):
+        AgeingFoam(age=-1.0)
+
+
 @pytest.mark.parametrize("preference", [0.3, 1.0, 4.0])
 def test_foam_on_crests_is_seen_as_often_as_the_height_dependent_masking_says(preference):
     """Facets at relative height χ are seen with the chance χ^Λ: draws of heights, foam's and the rest's."""

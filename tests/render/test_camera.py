@@ -69,6 +69,16 @@ def test_the_derivative_of_the_projection_is_right():
     assert_gradient_matches(place, [[10.0, -20.0, 30.0, 0.7, 0.4, 1.1, 0.3]], rtol=1e-6)
 
 
+@pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
+@pytest.mark.parametrize("pitch", [1.5708, -1.5708, 1.571])
+def test_straight_down_and_up_may_be_rounded_and_keep_their_derivative(dtype, pitch):
+    view = Camera((0.0, 0.0, 9.0), pitch=jnp.asarray(pitch, dtype)).astype(dtype)
+    assert abs(float(view.pitch)) == pytest.approx(np.pi / 2, abs=1e-7)
+    np.testing.assert_allclose(view.axes()[2], [0, 0, -np.sign(pitch)], atol=1e-6)
+    slope = jax.grad(lambda x: Camera((0.0, 0.0, 9.0), pitch=x).axes()[2, 0])(jnp.asarray(np.pi / 2))
+    np.testing.assert_allclose(slope, -1.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

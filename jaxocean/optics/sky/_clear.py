@@ -1,14 +1,12 @@
 """What both forms of the clear sky share."""
 
-import math
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._numerics import check_scalar, is_concrete
+from ..._numerics import UPRIGHT, check_scalar, is_concrete
 from ..._types import Scalar
 from .._colour import XYZ_TO_SRGB, matching_weights
 from ._abstract import AbstractSky
@@ -64,7 +62,7 @@ def check_clear(
     **Raises:** `ValueError` that names the argument, what it must be and what it is.
     """
     check_scalar("turbidity", turbidity, "", minimum=1.0, maximum=10.0)
-    check_scalar("sun_elevation", sun_elevation, "rad", minimum=-math.pi / 2, maximum=math.pi / 2)
+    check_scalar("sun_elevation", sun_elevation, "rad", minimum=-UPRIGHT, maximum=UPRIGHT)
     check_scalar("sun_azimuth", sun_azimuth, "rad")
     if not isinstance(albedo, jax.Array | np.ndarray):
         return

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._numerics import as_leaf, check_scalar
+from ..._numerics import UPRIGHT, as_leaf, as_upright_angle, check_scalar
 from ..._types import Scalar
 from ._abstract import AbstractSky
 from ._colour_leaf import as_colour, check_colour
@@ -28,13 +28,13 @@ class ConstantSky(AbstractSky):
 
     dome: Float[Array, "3"] = eqx.field(converter=as_colour)
     sun: Float[Array, "3"] = eqx.field(converter=as_colour, default=0.0)
-    sun_elevation: Scalar = eqx.field(converter=as_leaf, default=math.pi / 4)
+    sun_elevation: Scalar = eqx.field(converter=as_upright_angle, default=math.pi / 4)
     sun_azimuth: Scalar = eqx.field(converter=as_leaf, default=0.0)
 
     def __check_init__(self) -> None:
         check_colour("dome", self.dome, "W m⁻² sr⁻¹ nm⁻¹")
         check_colour("sun", self.sun, "W m⁻² nm⁻¹")
-        check_scalar("sun_elevation", self.sun_elevation, "rad", minimum=-math.pi / 2, maximum=math.pi / 2)
+        check_scalar("sun_elevation", self.sun_elevation, "rad", minimum=-UPRIGHT, maximum=UPRIGHT)
         check_scalar("sun_azimuth", self.sun_azimuth, "rad")
 
     @property

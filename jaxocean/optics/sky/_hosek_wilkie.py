@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..._numerics import as_leaf
+from ..._numerics import as_leaf, as_upright_angle
 from ..._types import Scalar
 from ._beam import disc_radiance
 from ._clear import AbstractClearSky, check_clear, to_srgb
@@ -43,7 +43,7 @@ class HosekWilkie(AbstractClearSky):
 
     turbidity: Scalar = eqx.field(converter=as_leaf, default=3.0)
     albedo: Float[Array, "3"] = eqx.field(converter=as_colour, default=0.06)
-    sun_elevation: Scalar = eqx.field(converter=as_leaf, default=0.7)
+    sun_elevation: Scalar = eqx.field(converter=as_upright_angle, default=0.7)
     sun_azimuth: Scalar = eqx.field(converter=as_leaf, default=0.0)
 
     def __check_init__(self) -> None:

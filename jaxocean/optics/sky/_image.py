@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._numerics import as_leaf, check_scalar, is_concrete
+from ..._numerics import UPRIGHT, as_leaf, as_upright_angle, check_scalar, is_concrete
 from ..._types import Scalar
 from ._abstract import AbstractSky
 from ._blur import blurred_levels
@@ -43,14 +43,14 @@ class ImageSky(AbstractSky):
     rotation: Scalar = eqx.field(converter=as_leaf, default=0.0)
     scale: Scalar = eqx.field(converter=as_leaf, default=1.0)
     sun: Float[Array, "3"] = eqx.field(converter=as_colour, default=0.0)
-    sun_elevation: Scalar = eqx.field(converter=as_leaf, default=math.pi / 4)
+    sun_elevation: Scalar = eqx.field(converter=as_upright_angle, default=math.pi / 4)
     sun_azimuth: Scalar = eqx.field(converter=as_leaf, default=0.0)
 
     def __check_init__(self) -> None:
         check_scalar("rotation", self.rotation, "rad")
         check_scalar("scale", self.scale, "", minimum=0.0)
         check_colour("sun", self.sun, "W m⁻² nm⁻¹")
-        check_scalar("sun_elevation", self.sun_elevation, "rad", minimum=-math.pi / 2, maximum=math.pi / 2)
+        check_scalar("sun_elevation", self.sun_elevation, "rad", minimum=-UPRIGHT, maximum=UPRIGHT)
         check_scalar("sun_azimuth", self.sun_azimuth, "rad")
         image = self.image
         if not isinstance(image, jax.Array | np.ndarray):

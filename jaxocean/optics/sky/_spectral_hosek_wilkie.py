@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..._numerics import as_leaf
+from ..._numerics import as_leaf, as_upright_angle
 from ..._types import PerPattern, Scalar
 from ._beam import beam_irradiance, disc_radiance
 from ._clear import AbstractClearSky, check_clear, to_srgb
@@ -35,7 +35,7 @@ class SpectralHosekWilkie(AbstractClearSky):
 
     turbidity: Scalar = eqx.field(converter=as_leaf, default=3.0)
     albedo: Float[Array, "11"] = eqx.field(converter=_albedo, default=0.06)
-    sun_elevation: Scalar = eqx.field(converter=as_leaf, default=0.7)
+    sun_elevation: Scalar = eqx.field(converter=as_upright_angle, default=0.7)
     sun_azimuth: Scalar = eqx.field(converter=as_leaf, default=0.0)
 
     def __check_init__(self) -> None:
