@@ -168,10 +168,11 @@ def _agreement(console: Console) -> None:
     config = _config("render")
     ocean, camera = _scene.ocean(config), _scene.camera(config.camera)
     rays = np.asarray(render.render(ocean, camera, config.time, SIZE, method=render.Rays()))
-    tone = imagery.Exposure(_scene.exposure(config.image, rays))
+    exposure = _scene.exposure(config, rays)
+    expected = jnp.asarray(_scene.code(config, exposure, rays))
     for spacing in SPACINGS:
         mesh = render.render(ocean, camera, config.time, SIZE, method=render.Raster(spacing))
-        value = float(imagery.psnr(tone(mesh), tone(jnp.asarray(rays))))
+        value = float(imagery.psnr(jnp.asarray(_scene.code(config, exposure, np.asarray(mesh))), expected))
         console.print(
             f"render, a vertex every {spacing:g} pixels: PSNR {value:.1f} dB against rays "
             f"(target {AGREEMENT_TARGET:g})."

@@ -125,8 +125,11 @@ def _change(sizes, resolution, textures, silent, centre, x, y, variance) -> tupl
                 )
             )
         added = _Change(*zip(*parts, strict=True))
-        both = (jnp.stack([getattr(s, name) for s in (fine, coarse)]) for name in ("texel", "east", "north"))
-        return jax.tree.map(jnp.add, total, added), _Weights(*both, jnp.stack([nearer, farther]))
+        texel, east, north = (
+            jnp.stack([getattr(s, name) for s in (fine, coarse)]) for name in ("texel", "east", "north")
+        )
+        weights = _Weights(texel, east, north, jnp.stack([nearer, farther]))
+        return jax.tree.map(jnp.add, total, added), weights
 
     nothing = (jnp.zeros_like(variance),) * count
     numbers = np.asarray(sizes)
