@@ -42,7 +42,7 @@ def look_up(
     # Once for all patterns, which differ by a constant.
     logarithm = _logarithm(variance)
     for pattern, size in enumerate(sizes):
-        exact = clipped_level(logarithm + math.log2(2 * resolution / size), resolution)
+        exact = _clipped(logarithm + math.log2(2 * resolution / size), resolution)
         heard = jnp.clip(silent[pattern] - exact, 0, 1)
         starts = [(channel * len(sizes) + pattern) * textures.shape[-1] for channel in range(count)]
         factors = (1.0,) * count if steps is None else steps[:, pattern]
@@ -60,7 +60,7 @@ def look_up(
 
         def mixture(total=total, size=size, exact=exact, heard=heard, starts=starts, factors=factors):
             place = _turns(centre[0], x, size), _turns(centre[1], y, size)
-            level, share = split_level(exact, resolution)
+            level, share = _split(exact, resolution)
             fine, coarse = _spot(resolution, level, *place), _spot(resolution, level + 1, *place)
 
             def one(start, factor):
@@ -101,11 +101,11 @@ def _change(sizes, resolution, textures, silent, centre, x, y, variance) -> tupl
     def add(total: _Change, pattern) -> tuple[_Change, _Weights]:
         texels, silent, size, octaves, turns = pattern
         raw = logarithm + octaves
-        exact = clipped_level(raw, resolution)
+        exact = _clipped(raw, resolution)
         inside = (raw > 0) & (raw < last)
         heard = jnp.clip(silent - exact, 0, 1)
         fades = (silent - exact > 0) & (silent - exact < 1)
-        level, share = split_level(exact, resolution)
+        level, share = _split(exact, resolution)
         place = (_fraction(turn + offset / size) for turn, offset in zip(turns, (x, y), strict=True))
         u, v = place
         fine, coarse = _spot(resolution, level, u, v), _spot(resolution, level + 1, u, v)
@@ -190,19 +190,19 @@ look_up.defjvp(_look_up_jvp, symbolic_zeros=True)
 
 def level_of(variance: Float[Array, "*b"], resolution: int) -> tuple[Int[Array, "*b"], Float[Array, "*b"]]:
     """The finer of two levels for a variance [samples²], and the share of the coarser one."""
-    return split_level(clipped_level(0.5 * jnp.log2(jnp.maximum(4 * variance, 1.0)), resolution), resolution)
+    return _split(_clipped(0.5 * jnp.log2(jnp.maximum(4 * variance, 1.0)), resolution), resolution)
 
 
 def _logarithm(variance: Float[Array, "*b"]) -> Float[Array, "*b"]:
     return 0.5 * jnp.log2(jnp.maximum(variance, SMALLEST))
 
 
-def clipped_level(level: Float[Array, "*b"], resolution: int) -> Float[Array, "*b"]:
+def _clipped(level: Float[Array, "*b"], resolution: int) -> Float[Array, "*b"]:
     """A level between those that there are."""
     return jnp.clip(level, 0, len(Levels(resolution).counts) - 1)
 
 
-def split_level(exact: Float[Array, "*b"], resolution: int) -> tuple[Int[Array, "*b"], Float[Array, "*b"]]:
+def _split(exact: Float[Array, "*b"], resolution: int) -> tuple[Int[Array, "*b"], Float[Array, "*b"]]:
     """The finer of two levels, and the share of the coarser one."""
     level = jax.lax.stop_gradient(exact).astype(jnp.int32)
     level = jnp.minimum(level, len(Levels(resolution).counts) - 2)
