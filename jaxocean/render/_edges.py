@@ -27,7 +27,7 @@ class Edges(eqx.Module):
 
 
 def _mixed(
-    image: Float[Array, "rows columns *c"], place: Float[Array, "some more *c"], axis: int
+    image: Float[Array, "rows columns *c"], place: Float[Array, "some more *#c"], axis: int
 ) -> Float[Array, "rows columns *c"]:
     """What each pixel gets from its two neighbours along an axis: one loop over all pixels, with nothing updated."""
     change = jnp.diff(image, axis=axis)

@@ -76,3 +76,13 @@ def test_hidden_silhouettes_do_not_mix_what_is_in_front_of_them():
     edges = find_silhouettes(screen, jnp.full(SIZE, 1.0))
     assert not np.any(edges.across)
     assert not np.any(edges.down)
+
+
+def test_channels_are_mixed_like_the_image_of_each():
+    held = jax.lax.stop_gradient(disc(14.2, 0.0))
+    hit = visible_triangles(held, SIZE, jnp.asarray(1.0)) != EMPTY
+    edges = find_silhouettes(held, jnp.where(hit, 5.0, jnp.inf))
+    channels = jnp.stack([hit.astype(float), jnp.linspace(0.0, 1.0, hit.size).reshape(SIZE)], axis=-1)
+    apart = jnp.stack([edges.blend(channels[..., i]) for i in range(2)], axis=-1)
+    assert not np.array_equal(apart, channels)
+    np.testing.assert_array_equal(edges.blend(channels), apart)
