@@ -133,66 +133,67 @@ def test_a_finer_mesh_sees_the_surface_itself(sea):
     assert np.sqrt(np.mean(error**2)) < 0.12 * float(jnp.std(jnp.sum(fields.height, 0)))
 
 
-def smooth_image(x, sea):
-    """A number from the whole image, of the camera's height, pitch and roll, choppiness and time."""
-    camera = Camera(
-        jnp.stack([jnp.asarray(1.0), jnp.asarray(2.0), x[0]]), pitch=x[1], roll=x[2], field_of_view=0.8
-    )
-    fields = sea.fields(x[4], x[3])
-    image, edges = map_visible(
-        lambda v: v.seen.slope[0] + 10 * v.seen.slopes[1] + v.seen.strain[1] + 1 / v.depth,
-        fields,
+def smooth_number_and_water_share(x, sea):
+    """Two numbers from the whole image: one of everything smooth that pixels see, and the share of it that is water.
+
+    Of the camera's place, pitch, roll and field of view, and the sea's choppiness and time.
+    """
+    camera = Camera(x[:3], pitch=x[3], roll=x[4], field_of_view=x[5])
+    (image, hit), edges = map_visible(
+        lambda v: (
+            v.seen.slope[0] + 10 * v.seen.slopes[1] + v.seen.strain[1] + 1 / v.depth,
+            v.hit.astype(float),
+        ),
+        sea.fields(x[7], x[6]),
         CASCADE,
         camera,
         SIZE,
     )
-    return jnp.mean(edges.blend(image) ** 2)
+    return jnp.stack([jnp.mean(edges.blend(image) ** 2), jnp.mean(edges.blend(hit))])
+
+
+HEIGHT, PITCH, ROLL, CHOPPINESS, AT = jnp.eye(8)[jnp.array([2, 3, 4, 6, 7])]
+
+
+@pytest.fixture(scope="module")
+def differentiate():
+    """Both numbers and their derivatives along a direction: one program for all tests, one direction at a time."""
+    return jax.jit(
+        lambda x, sea, along: jax.jvp(lambda y: smooth_number_and_water_share(y, sea), (x,), (along,))
+    )
 
 
 @pytest.mark.slow
-def test_the_derivative_of_a_smooth_image_is_that_of_finite_differences(sea):
-    x = jnp.array([45.0, 0.9, 0.2, 0.8, 1.5])
-    value = jax.jit(smooth_image)
-    # One direction at a time: a batch of them takes twice as long to compile.
-    slope = jax.jit(lambda x, along: jax.jvp(lambda y: smooth_image(y, sea), (x,), (along,))[1])
-    scale = np.array([1e-4, 1e-6, 1e-6, 1e-5, 1e-5])
-    for along, step in zip(jnp.eye(5), scale, strict=True):
-        expected = finite_difference(lambda y: value(y, sea), x, along, float(step))
-        np.testing.assert_allclose(slope(x, along), expected, rtol=0.01, err_msg=f"along {along}")
-
-
-def water_share(x, fields):
-    """The share of the image that is water, for a camera at x[:3] with pitch, roll and field of view in x[3:]."""
-    camera = Camera(x[:3], pitch=x[3], roll=x[4], field_of_view=x[5])
-    hit, edges = map_visible(lambda v: v.hit.astype(float), fields, CASCADE, camera, SIZE)
-    return jnp.mean(edges.blend(hit))
-
-
-SHARE = jax.jit(water_share)
-SHARE_SLOPE = jax.jit(lambda x, fields, along: jax.jvp(lambda y: water_share(y, fields), (x,), (along,))[1])
+def test_the_derivative_of_a_smooth_image_is_that_of_finite_differences(differentiate, sea):
+    x = jnp.array([1.0, 2.0, 45.0, 0.9, 0.2, 0.8, 0.8, 1.5])
+    steps = ((HEIGHT, 1e-4), (PITCH, 1e-6), (ROLL, 1e-6), (CHOPPINESS, 1e-5), (AT, 1e-5))
+    for along, step in steps:
+        expected = finite_difference(lambda y: differentiate(y, sea, HEIGHT)[0][0], x, along, step)
+        found = differentiate(x, sea, along)[1][0]
+        np.testing.assert_allclose(found, expected, rtol=0.01, err_msg=f"along {along}")
 
 
 @pytest.mark.slow
-def test_the_horizon_covers_the_area_below_it_and_has_its_derivative():
-    x, axes = jnp.array([0.0, 0.0, 20.0, 0.12, 0.2, 0.8]), jnp.eye(6)
+def test_the_horizon_covers_the_area_below_it_and_has_its_derivative(differentiate, sea):
+    calm = eqx.tree_at(lambda s: (s.waves.cosine, s.waves.sine), sea, replace_fn=jnp.zeros_like)
+    x = jnp.array([0.0, 0.0, 20.0, 0.12, 0.2, 0.8, 1.0, TIME])
     focal = 24 / np.tan(0.4)
     level = focal * np.tan(0.12) / np.cos(0.2)  # pixels above the centre
-    np.testing.assert_allclose(SHARE(x, calm_fields(CASCADE)), (24 + level) / 48, atol=2e-4)
-    slope = [SHARE_SLOPE(x, calm_fields(CASCADE), axes[i]) for i in (3, 4)]
+    found = [differentiate(x, calm, along) for along in (PITCH, ROLL)]
+    np.testing.assert_allclose(found[0][0][1], (24 + level) / 48, atol=2e-4)
     expected = [
         focal / np.cos(0.12) ** 2 / np.cos(0.2) / 48,
         level * np.tan(0.2) / 48,
     ]
-    np.testing.assert_allclose(slope, expected, rtol=0.02, atol=0.005)
+    np.testing.assert_allclose([slope[1] for _, slope in found], expected, rtol=0.02, atol=0.005)
 
 
 @pytest.mark.slow
-def test_crest_edges_carry_the_derivative_of_the_area_that_water_covers(storm):
-    fields = storm.fields(TIME, 1.2)
-    x, axes = jnp.array([30.0, 60.0, 9.0, 0.05, 0.0, 0.5]), jnp.eye(6)
-    for axis, step in ((axes[2], 0.02), (axes[3], 1e-3)):
-        expected = finite_difference(lambda y: SHARE(y, fields), x, axis, step)
-        np.testing.assert_allclose(SHARE_SLOPE(x, fields, axis), expected, rtol=0.05)
+def test_crest_edges_carry_the_derivative_of_the_area_that_water_covers(differentiate, storm):
+    x = jnp.array([30.0, 60.0, 9.0, 0.05, 0.0, 0.5, 1.2, TIME])
+    for along, step in ((HEIGHT, 0.02), (PITCH, 1e-3)):
+        expected = finite_difference(lambda y: differentiate(y, storm, HEIGHT)[0][1], x, along, step)
+        np.testing.assert_allclose(differentiate(x, storm, along)[1][1], expected, rtol=0.05)
 
 
 def test_what_a_wider_filter_takes_from_the_means_it_gives_to_the_covariances(sea):
