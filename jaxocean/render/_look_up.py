@@ -106,8 +106,7 @@ def _change(sizes, resolution, textures, silent, centre, x, y, variance) -> tupl
         heard = jnp.clip(silent - exact, 0, 1)
         fades = (silent - exact > 0) & (silent - exact < 1)
         level, share = _split(exact, resolution)
-        place = (_fraction(turn + offset / size) for turn, offset in zip(turns, (x, y), strict=True))
-        u, v = place
+        u, v = (_fraction(turn + offset / size) for turn, offset in zip(turns, (x, y), strict=True))
         fine, coarse = _spot(resolution, level, u, v), _spot(resolution, level + 1, u, v)
         near, far = (_count(resolution, each).astype(x.dtype) / size for each in (level, level + 1))
         by_level = jnp.where(inside, by_logarithm, 0.0)
@@ -172,11 +171,7 @@ def _look_up_jvp(sizes, resolution, primals, tangents):
     changes = [jnp.zeros_like(value) for value in values]
     if not isinstance(moved, SymbolicZero):
         changes = _weighted(weights, resolution + BORDER, moved)
-    steps = [
-        (change.x, by_x),
-        (change.y, by_y),
-        (change.variance, by_variance),
-    ]
+    steps = [(change.x, by_x), (change.y, by_y), (change.variance, by_variance)]
     if not isinstance(by_centre, SymbolicZero):
         steps += [(change.x, by_centre[0]), (change.y, by_centre[1])]
     for rates, step in steps:
