@@ -110,18 +110,22 @@ class Camera(eqx.Module):
         return 0.5 * size[0] / jnp.tan(0.5 * self.field_of_view)
 
     def rays(
-        self, size: tuple[int, int], rows: Float[Array, " some"] | None = None
+        self,
+        size: tuple[int, int],
+        rows: Float[Array, " rows"] | None = None,
+        columns: Float[Array, " columns"] | None = None,
     ) -> Float[Array, "rows columns 3"]:
         """Unit vectors from the pinhole through the centres of all pixels; the first row is the upper one.
 
-        **Arguments:** `size` (rows, columns) of the image; `rows`: numbers of the rows that are wanted, or all.
+        **Arguments:** `size` (rows, columns) of the image; `rows`, `columns`: numbers of those that are wanted, or all.
         """
-        count, columns = check_size(size)
+        height, width = check_size(size)
         dtype = self.position.dtype
         focal = self.focal_length(size)
-        wanted = jnp.arange(count, dtype=dtype) if rows is None else rows
-        x = (jnp.arange(columns, dtype=dtype) + (0.5 - 0.5 * columns)) / focal
-        y = ((0.5 * count - 0.5) - wanted) / focal
+        rows = jnp.arange(height, dtype=dtype) if rows is None else rows
+        columns = jnp.arange(width, dtype=dtype) if columns is None else columns
+        x = (columns + (0.5 - 0.5 * width)) / focal
+        y = ((0.5 * height - 0.5) - rows) / focal
         axes = self.axes()
         shorter = 1 / jnp.sqrt(1 + x[None, :] ** 2 + y[:, None] ** 2)
         # Component by component: XLA on the CPU is slow with short last axes.

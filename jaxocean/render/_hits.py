@@ -62,21 +62,24 @@ def triangle_vertices(
     return first, jnp.where(second, below_right, first + columns), jnp.where(second, first + 1, below_right)
 
 
-def meet(mesh: Mesh, triangle: UInt[Array, "rows columns"], rows: Float[Array, " rows"]) -> Hits:
-    """Perspective-correct attributes at the centres of the pixels in some rows of the image.
+def meet(
+    mesh: Mesh,
+    triangle: UInt[Array, "rows columns"],
+    rows: Float[Array, " rows"],
+    columns: Float[Array, " columns"],
+) -> Hits:
+    """Perspective-correct attributes at the centres of the pixels in some rows and columns of the image.
 
     $$ λ_0 = E_0 / ΣE, \\quad E_0 = x_1 y_2 - x_2 y_1, \\; … $$
 
     with the triangle's corners (x, y) around the pixel's centre, not yet divided by their depth.
     """
     hit = triangle != EMPTY
-    columns = triangle.shape[1]
     dtype = mesh.offset.dtype
     vertices = triangle_vertices(jnp.where(hit, triangle, jnp.uint32(0)), mesh.offset.shape[1])
     table = (*mesh.screen, mesh.offset[..., 0], mesh.offset[..., 1], mesh.sharpness, mesh.area)
     flat = tuple(values.ravel() for values in table)
-    px = jnp.arange(columns, dtype=dtype) + 0.5
-    py = (rows + 0.5)[:, None]
+    px, py = columns + 0.5, (rows + 0.5)[:, None]
 
     def corner(vertex: Int[Array, "rows columns"]) -> Corner:
         x, y, ahead, *others = take_together(flat, vertex)

@@ -15,6 +15,7 @@ from ._footprint import LEAST_SHARPNESS, filter_variance
 from ._planet import wrap
 from ._projected_grid import RestGrid
 from ._raster import Screen
+from ._shading_rate import Rate
 
 EDGE_ON = 0.02
 """Sine of the angle under which a surface counts as seen edge on."""
@@ -31,8 +32,8 @@ class Mesh(eqx.Module):
 
     **Arguments:** `offset`: at rest, from the point below the camera [m]; `place`: displaced, from the same point at
     height 0 [m]; `screen`: in the image; `sharpness`: v^(−1/4) [m^(−1/2)] of the variance v of the filter that stands
-    for the footprint of a pixel there. On a plane v grows as the fourth power of the depth, so that its sharpness is
-    linear on the screen. `area`: of the mesh seen from above over its area at rest [-].
+    for the footprint of a pixel (or group) there. On a plane v grows as the fourth power of the depth, so that its
+    sharpness is linear on the screen. `area`: of the mesh seen from above over its area at rest [-].
     """
 
     offset: Float[Array, "row column 2"]
@@ -49,12 +50,18 @@ def displacement_atlas(fields: Fields, cascade: Cascade) -> Atlas:
 
 
 def displaced_mesh(
-    grid: RestGrid, atlas: Atlas, camera: Camera, size: tuple[int, int], curvature: Scalar
+    grid: RestGrid,
+    atlas: Atlas,
+    camera: Camera,
+    size: tuple[int, int],
+    curvature: Scalar,
+    rate: Rate = (1, 1),
 ) -> Mesh:
     """The grid moved by the patterns, each of them filtered as wide as the vertices are apart.
 
     A box as wide as their distance d has the variance d²/12. Waves that this removes are left to the shading, which
-    sees them as slopes: drawn with too few vertices they would flicker.
+    sees them as slopes: drawn with too few vertices they would flicker. Footprints are those of groups of `rate`
+    pixels.
     """
     centre = camera.position[:2]
     bands = band_count((grid.offset.shape[0], grid.offset.shape[1]))
@@ -68,7 +75,7 @@ def displaced_mesh(
     screen = Screen(*map(once, _on_screen(place, camera, size)))
     area = _area(moved) / _area(offset)
     stacked = jnp.stack(offset, axis=-1), jnp.stack(place, axis=-1)
-    return Mesh(*stacked, screen, _sharpness(offset, screen), area)
+    return Mesh(*stacked, screen, _sharpness(offset, screen, rate), area)
 
 
 def _area(points: tuple[Float[Array, "row column"], ...]) -> Float[Array, "row column"]:
@@ -77,7 +84,9 @@ def _area(points: tuple[Float[Array, "row column"], ...]) -> Float[Array, "row c
     return ux * vy - uy * vx
 
 
-def _sharpness(offset: tuple[Float[Array, "row column"], ...], screen: Screen) -> Float[Array, "row column"]:
+def _sharpness(
+    offset: tuple[Float[Array, "row column"], ...], screen: Screen, rate: Rate
+) -> Float[Array, "row column"]:
     """From the differences of neighbouring vertices at rest and on the screen.
 
     Taken at the vertices and not in each triangle, it is continuous: an image without jumps has the derivative of its
@@ -93,9 +102,15 @@ def _sharpness(offset: tuple[Float[Array, "row column"], ...], screen: Screen) -
     share = (xx * yy - xy * yx) / extent
     # Where the surface is seen edge on, a pixel's footprint has no bound.
     inverse = share / (share * share + EDGE_ON**2) / extent
+    down, across = (side * inverse for side in rate)
     axes = tuple(
-        jnp.clip(axis * inverse, -WIDEST, WIDEST)
-        for axis in (ux * yy - uy * yx, uy * xx - ux * xy, vx * yy - vy * yx, vy * xx - vx * xy)
+        jnp.clip(axis, -WIDEST, WIDEST)
+        for axis in (
+            (ux * yy - uy * yx) * across,
+            (uy * xx - ux * xy) * down,
+            (vx * yy - vy * yx) * across,
+            (vy * xx - vx * xy) * down,
+        )
     )
     widest = LEAST_SHARPNESS**-4
     variance = jnp.clip(filter_variance(axes), 1e-12, widest)

@@ -11,7 +11,7 @@ from _waves import wind_sea
 import jaxocean as jo
 from jaxocean.render import EARTH_CURVATURE, Camera, Raster, map_visible, render, render_layers, seen_coverage
 from jaxocean.render._footprint import Seen
-from jaxocean.render._render import _Scene
+from jaxocean.render._scene_light import SceneLight
 from jaxocean.render._visible import Visible
 from jaxocean.surface import Cascade, realise
 from jaxocean.whitecaps import GaussianClosure, StrainStatistics
@@ -93,7 +93,7 @@ def test_a_flat_sea_on_a_round_planet_mirrors_the_sky_about_its_own_vertical():
 def test_light_has_the_derivative_of_differences_in_curvature_and_height():
     sky = jo.optics.sky.HosekWilkie(3.0, sun_elevation=0.9, sun_azimuth=2.0)
     ocean = jo.Ocean(realise(wind_sea(10.0), CASCADE, key=jax.random.key(0)), sky=sky)
-    scene = _Scene(ocean, jnp.dtype(float), False)
+    scene = SceneLight(ocean, jnp.dtype(float), False)
     zero, one = jnp.zeros(SIZE), jnp.ones(SIZE)
     seen = Seen((zero + 0.02, zero), (zero + 0.01, zero + 0.02, zero), (zero,) * 3, (zero,) * 6, (zero,) * 3)
 
