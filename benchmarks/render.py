@@ -27,6 +27,7 @@ FINE = 8  # times as many rows and columns in the reference
 ALTITUDES = (2.0, 20.0, 200.0, 5000.0)  # m
 SCENES = ("gale_at_noon", "dupuy_scene6")
 SPACINGS = (4.0, 2.0, 1.0)  # pixels
+RATES = ((1, 1), (1, 2), (2, 2))  # pixels that share a shaded point
 TARGET, GRADIENT_TARGET, MEMORY_TARGET = 150.0, 200.0, 2.0  # ms, ms, GiB
 QUALITY_TARGET, AGREEMENT_TARGET = 30.0, 35.0  # dB
 
@@ -47,7 +48,9 @@ def run(*, quick: bool = False) -> None:
     jax.block_until_ready(render.render(ocean, camera, 0.0, size))
     first = time.perf_counter() - start
     _row(table, "new waves", _times(lambda t: ocean.fields(t).packed, frames))
-    _row(table, "gale at noon, whole frame", _times(_frame(ocean, camera, size), frames), f"≤ {TARGET:g}")
+    for rate in RATES:
+        name = f"gale at noon, whole frame, {_words(rate)}"
+        _row(table, name, _times(_frame(ocean, camera, size, rate), frames), f"≤ {TARGET:g}")
     for altitude in ALTITUDES:
         above = render.Camera((0.0, 0.0, altitude), heading=2.7, pitch=0.4)
         _row(table, f"the same sea from {altitude:g} m", _times(_frame(ocean, above, size), frames))
@@ -58,7 +61,8 @@ def run(*, quick: bool = False) -> None:
     console.print(f"First call, mostly compilation: {first:.1f} s.")
     console.print(f"Peak memory of this process so far: {peak:.2f} GiB (target {MEMORY_TARGET:g}).")
     if not quick:
-        _gradient(ocean, camera, frames, console)
+        for rate in (RATES[0], RATES[-1]):
+            _gradient(ocean, camera, frames, console, rate)
         _quality(console)
         _agreement(console)
 
@@ -69,8 +73,15 @@ def _config(name: str) -> schema.RenderConfig:
     return config
 
 
-def _frame(ocean: jo.Ocean, camera: render.Camera, size: tuple[int, int]) -> Callable[[float], jax.Array]:
-    return lambda time: render.render(ocean, camera, time, size)
+def _words(rate: tuple[int, int]) -> str:
+    return f"one shaded point for {rate[0]}×{rate[1]} pixels"
+
+
+def _frame(
+    ocean: jo.Ocean, camera: render.Camera, size: tuple[int, int], rate: tuple[int, int] = (1, 1)
+) -> Callable[[float], jax.Array]:
+    method = render.Raster(shading_rate=rate)
+    return lambda time: render.render(ocean, camera, time, size, method=method)
 
 
 def _times(work: Callable[[float], object], frames: int) -> tuple[list[float], float]:
@@ -111,10 +122,12 @@ def _peer(table: Table, size: tuple[int, int], frames: int) -> None:
     table.add_row(f"{name} ({variant})", f"{np.median(samples):.0f}", f"{min(samples):.0f}", "", "")
 
 
-def _gradient(ocean: jo.Ocean, camera: render.Camera, frames: int, console: Console) -> None:
+def _gradient(
+    ocean: jo.Ocean, camera: render.Camera, frames: int, console: Console, rate: tuple[int, int]
+) -> None:
     """Time of the gradient of an L2 loss for ten parameters of the scene, in the mode that is chosen."""
     cascade, noise = ocean.sea.cascade, jo.surface.draw_noise(ocean.sea.cascade, key=jax.random.key(0))
-    position = camera.position.astype(jnp.float32)
+    position, method = camera.position.astype(jnp.float32), render.Raster(shading_rate=rate)
 
     def picture(p: jax.Array) -> jax.Array:
         sea = jo.surface.realise(
@@ -130,7 +143,7 @@ def _gradient(ocean: jo.Ocean, camera: render.Camera, frames: int, console: Cons
         view = render.Camera(
             position.at[2].set(p[8]), heading=camera.heading, pitch=p[9], field_of_view=camera.field_of_view
         )
-        return render.render(scene, view, 0.0, GRADIENT_SIZE)
+        return render.render(scene, view, 0.0, GRADIENT_SIZE, method=method)
 
     start = jnp.asarray([20.0, 0.0, 1.0, 0.72, 4.0, 1.0, 0.8, 0.22, 9.0, 0.12], jnp.float32)
     target = jax.block_until_ready(eqx.filter_jit(picture)(1.02 * start))
@@ -142,7 +155,8 @@ def _gradient(ocean: jo.Ocean, camera: render.Camera, frames: int, console: Cons
     assert bool(jnp.all(jnp.isfinite(value)))
     samples, processor = _times(lambda t: gradient(start * (1 + 1e-3 * t))[1], frames)
     console.print(
-        f"Gradient of an L2 loss of {GRADIENT_SIZE[1]}×{GRADIENT_SIZE[0]} pixels for {start.size} parameters: "
+        f"Gradient of an L2 loss of {GRADIENT_SIZE[1]}×{GRADIENT_SIZE[0]} pixels for {start.size} parameters, "
+        f"{_words(rate)}: "
         f"{np.median(samples):.0f} ms, best {min(samples):.0f}, processor {processor:.0f} "
         f"(target {GRADIENT_TARGET:g}); first call {first:.0f} s."
     )
@@ -153,14 +167,16 @@ def _quality(console: Console) -> None:
     for name in SCENES:
         config = _config(name)
         ocean, camera = _scene.ocean(config), _scene.camera(config.camera)
-        picture = np.asarray(render.render(ocean, camera, config.time, SIZE))
         fine = np.asarray(render.render(ocean, camera, config.time, (FINE * SIZE[0], FINE * SIZE[1])))
         reference = fine.reshape(SIZE[0], FINE, SIZE[1], FINE, 3).mean(axis=(1, 3))
         tone = imagery.Exposure(_scene.exposure(config, reference))
-        value = float(imagery.psnr(tone(jnp.asarray(picture)), tone(jnp.asarray(reference))))
-        console.print(
-            f"{name}: PSNR {value:.1f} dB against {FINE**2} times as many pixels (target {QUALITY_TARGET:g})."
-        )
+        for rate in RATES:
+            picture = _frame(ocean, camera, SIZE, rate)(config.time)
+            value = float(imagery.psnr(tone(picture), tone(jnp.asarray(reference))))
+            console.print(
+                f"{name}, {_words(rate)}: PSNR {value:.1f} dB against {FINE**2} times as many pixels "
+                f"(target {QUALITY_TARGET:g})."
+            )
 
 
 def _agreement(console: Console) -> None:

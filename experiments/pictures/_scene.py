@@ -169,7 +169,12 @@ def size(config: schema.ImageConfig) -> tuple[int, int]:
 
 def method(image: schema.RayImageConfig) -> render.Raster | render.Rays:
     """How the pixels of a config find the sea."""
-    return render.Rays(image.samples) if image.method == "rays" else render.Raster(image.vertex_spacing)
+    return render.Rays(image.samples) if image.method == "rays" else mesh(image)
+
+
+def mesh(image: schema.ImageConfig) -> render.Raster:
+    """The mesh of a config."""
+    return render.Raster(image.vertex_spacing, shading_rate=image.shading_rate)
 
 
 def curvature(config: schema.SceneConfig) -> float:

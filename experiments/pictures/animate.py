@@ -130,4 +130,5 @@ def _picture(
 def _method(image: schema.RayImageConfig, look: Look) -> render.Raster | render.Rays:
     if image.method == "rays":
         return _scene.method(image)
-    return render.Raster(min(look.samples * image.vertex_spacing, 64.0), filtered=look.filtered)
+    spacing = min(look.samples * image.vertex_spacing, 64.0)
+    return render.Raster(spacing, filtered=look.filtered, shading_rate=image.shading_rate)

@@ -87,7 +87,7 @@ def _frame(
         _scene.camera(moved),
         time,
         _scene.size(config.image),
-        method=render.Raster(config.image.vertex_spacing),
+        method=_scene.mesh(config.image),
         curvature=_scene.curvature(config),
     )
     layers.radiance.block_until_ready()

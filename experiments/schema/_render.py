@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ._base import QUARTER_TURN, TURN, ExperimentConfig, Section, key, wrong
 from ._camera import CameraConfig
@@ -141,6 +141,19 @@ class ImageConfig(Section):
     vertex_spacing: float = key(
         4.0, unit="pixels", meaning="from one vertex of the mesh to the next", ge=0.5, le=64
     )
+    shading_rate: tuple[int, int] = key(
+        (1, 1),
+        unit="pixels",
+        meaning="rows and columns that share one shaded point of the mesh; (2, 2) takes six tenths of the time",
+        within="1 to 4 each",
+    )
+
+    @field_validator("shading_rate")
+    @classmethod
+    def _check_rate(cls, rate: tuple[int, int]) -> tuple[int, int]:
+        if not all(1 <= side <= 4 for side in rate):
+            raise ValueError(f"must hold 1 to 4 rows and columns, but is {list(rate)}")
+        return rate
 
 
 class RayImageConfig(ImageConfig):
