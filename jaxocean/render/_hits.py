@@ -14,7 +14,7 @@ NEAREST = 1e-12
 """Least depth [m] by which anything is divided."""
 
 OUTSIDE = 0.05
-"""How far outside of its triangle a pixel's centre may be taken, in parts of the triangle's height."""
+"""How far rounding may put a pixel's centre outside of the triangle that it sees."""
 
 
 class Corner(NamedTuple):
@@ -67,8 +67,11 @@ def meet(
     triangle: UInt[Array, "rows columns"],
     rows: Float[Array, " rows"],
     columns: Float[Array, " columns"],
+    outside: float = OUTSIDE,
 ) -> Hits:
     """Perspective-correct attributes at the centres of the pixels in some rows and columns of the image.
+
+    A centre farther `outside` of its triangle, in parts of the triangle's height, is taken to be that far.
 
     $$ λ_0 = E_0 / ΣE, \\quad E_0 = x_1 y_2 - x_2 y_1, \\; … $$
 
@@ -87,7 +90,7 @@ def meet(
         return Corner(x - px * sign, y - py * sign, ahead, *others)
 
     corners = (corner(vertices[0]), corner(vertices[1]), corner(vertices[2]))
-    return _interpolate(hit, corners)
+    return _interpolate(hit, corners, outside)
 
 
 def _edges(corners: tuple[Corner, Corner, Corner]):
@@ -99,12 +102,14 @@ def _edges(corners: tuple[Corner, Corner, Corner]):
     return parts
 
 
-def _interpolate(hit: Bool[Array, "rows columns"], corners: tuple[Corner, Corner, Corner]) -> Hits:
+def _interpolate(
+    hit: Bool[Array, "rows columns"], corners: tuple[Corner, Corner, Corner], outside: float = OUTSIDE
+) -> Hits:
     edges = _edges(corners)
     total = edges[0] + edges[1] + edges[2]
     turn = jnp.where(total >= 0, 1.0, -1.0).astype(total.dtype)
     # A centre on an edge is at times a rounding outside; of a triangle seen edge on that can be far.
-    edges = [jnp.maximum(turn * e, -OUTSIDE * jnp.abs(total)) for e in edges]
+    edges = [jnp.maximum(turn * e, -outside * jnp.abs(total)) for e in edges]
     total = edges[0] + edges[1] + edges[2]
     sound = hit & (total > 0)
     safe = jnp.where(sound, total, 1.0)

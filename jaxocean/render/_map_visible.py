@@ -18,7 +18,7 @@ from ._bounds import Bounds
 from ._camera import Camera, check_size
 from ._edges import Edges
 from ._footprint import Seen, SurfaceMoments, displaced
-from ._hits import footprint_edges, meet
+from ._hits import OUTSIDE, footprint_edges, meet
 from ._mesh import displaced_mesh, displacement_atlas
 from ._projected_grid import rest_grid
 from ._raster import EMPTY, visible_triangles
@@ -169,7 +169,16 @@ def map_image(
         """Of pixels, or of those that stand for groups."""
         triangle, rows = band
         visible, ahead = _visible(
-            mesh, moments, camera, size, curvature, method.filtered, triangle, rows, columns[:: rate[1]]
+            mesh,
+            moments,
+            camera,
+            size,
+            curvature,
+            method.filtered,
+            rate == (1, 1),
+            triangle,
+            rows,
+            columns[:: rate[1]],
         )
         values = shade(visible)
         if beyond is not None and rate == (1, 1):
@@ -199,11 +208,13 @@ def map_image(
 
 
 def _visible(
-    mesh, moments, camera, size, curvature, filtered: bool, triangle, rows, columns
+    mesh, moments, camera, size, curvature, filtered: bool, alone: bool, triangle, rows, columns
 ) -> tuple[Visible, Float[Array, "rows columns"]]:
     """What pixels in some rows and columns see, and how far ahead [m], infinite without water."""
+    # The triangle that stands for a group of pixels may lie beside the first of them.
+    outside = OUTSIDE if alone else 0.0
     # What is apart is computed once; XLA would rather compute it again in each of its many users.
-    hits = compute_apart(lambda: meet(mesh, triangle, rows, columns), rows[0] >= 0)
+    hits = compute_apart(lambda: meet(mesh, triangle, rows, columns, outside), rows[0] >= 0)
     if not filtered:
         hits = hits._replace(variance=jnp.zeros_like(hits.variance))
 
