@@ -34,6 +34,16 @@ VOCABULARY: dict[str, tuple[str, AbstractBounds]] = {
     "coefficient": ("-", Positive()),
     "exponent": ("-", Real()),
     "width": ("-", Positive()),
+    "exposure": ("stops", Real()),
+    "sun_elevation": ("rad", Interval(-math.pi / 2, math.pi / 2)),
+    "sun_azimuth": ("rad", Real()),
+    "turbidity": ("-", Interval(1.0, 10.0)),
+    "reflectance": ("-", Interval(0.0, 1.0)),
+    "chlorophyll": ("mg/m^3", Positive()),
+    "heading": ("rad", Real()),
+    "pitch": ("rad", Real()),
+    "roll": ("rad", Real()),
+    "field_of_view": ("rad", Interval(0.0, 3.0)),
 }
 """Unit and default bounds by the name of the leaf; anything else is real and without a unit."""
 

@@ -1,0 +1,95 @@
+"""A picture that a scene is held against, pixel by pixel and blurred."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from jaxocean._numerics import as_leaf, is_concrete
+from jaxocean.optics import luminance
+
+Image = Float[Array, "rows columns 3"] | Float[np.ndarray, "rows columns 3"]
+Mask = Float[Array, "rows columns"] | Float[np.ndarray, "rows columns"]
+
+
+class PictureTarget(eqx.Module):
+    """Linear light to be matched, up to its exposure.
+
+    $$ r_l = 2^l \\, \\overline{m\\,(f(L) - f(T))}^{\\,2^l × 2^l}, \\quad f(L) = \\log(1 + L/\\tilde T) $$
+
+    with the picture L of a scene, the target T, the mask m and the median luminance T̃ of the target. The logarithm
+    counts a wrong share of light alike in bright and dark places, and keeps glitter from deciding. Means over squares
+    of 1, 2, 4, … pixels count equally: fine ones say most, coarse ones still know the way when crests lie elsewhere.
+
+    **Arguments:**
+
+    - `image`: T, linear with sRGB primaries, in any unit; see `jaxocean.imagery.decode_srgb` for files.
+    - `mask`: what each pixel counts, 0 to 1; all of them 1 by default. Mask what the scene does not hold, and what is
+      clipped to white.
+    - `levels`: how many sizes of squares are compared, 5 by default.
+
+    **Raises:** `ValueError` for an image that is not finite or holds no light, a mask of another size or outside 0 to
+    1, one that hides everything, or no level.
+    """
+
+    image: Float[Array, "rows columns 3"] = eqx.field(converter=as_leaf)
+    mask: Float[Array, "rows columns"]
+    levels: int = eqx.field(static=True)
+    middle: Float[Array, ""]
+
+    def __init__(self, image: Image, mask: Mask | None = None, *, levels: int = 5) -> None:
+        image = as_leaf(image)
+        mask = jnp.ones(image.shape[:2], image.dtype) if mask is None else as_leaf(mask)
+        if is_concrete(image) and not np.all(np.isfinite(image)):
+            raise ValueError("Argument `image` must be finite, but is not: mask and fill what is unknown.")
+        if mask.shape != image.shape[:2]:
+            raise ValueError(
+                f"Argument `mask` must have the {image.shape[0]}×{image.shape[1]} pixels of the image, but has "
+                f"{'×'.join(map(str, mask.shape))}."
+            )
+        if is_concrete(mask):
+            if not np.all((np.asarray(mask) >= 0) & (np.asarray(mask) <= 1)):
+                raise ValueError("Argument `mask` must lie between 0 and 1, but does not.")
+            if not np.any(np.asarray(mask) > 0):
+                raise ValueError(
+                    "Argument `mask` must leave something to compare, but hides the whole image."
+                )
+        if not 1 <= levels <= 12:
+            raise ValueError(f"Argument `levels` must be 1 to 12, but is {levels}.")
+        bright = luminance(image)
+        middle = jnp.nanmedian(jnp.where(mask > 0, bright, jnp.nan))
+        if is_concrete(middle) and not float(middle) > 0:
+            raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
+        self.image, self.mask, self.levels, self.middle = image, mask.astype(image.dtype), levels, middle
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, columns, _ = self.image.shape
+        return rows, columns
+
+    def residuals(self, picture: Float[Array, "rows columns 3"]) -> Float[Array, " n"]:
+        """r of all levels, one behind the other."""
+        own, other = (jnp.log1p(jnp.maximum(each, 0.0) / self.middle) for each in (picture, self.image))
+        apart = self.mask[..., None] * (own - other.astype(own.dtype))
+        rows = []
+        for level in range(self.levels):
+            rows.append(2.0**level * apart.ravel())
+            apart = _halved(apart)
+        return jnp.concatenate(rows)
+
+    def places(self, tiles: int) -> Int[np.ndarray, " n"]:
+        """For each residual, which of tiles × tiles parts of the image it lies in."""
+        numbers, (rows, columns) = [], self.size
+        for _ in range(self.levels):
+            tile = (np.arange(rows) * tiles // rows)[:, None] * tiles + np.arange(columns) * tiles // columns
+            numbers.append(np.repeat(tile.ravel(), 3))
+            rows, columns = -(-rows // 2), -(-columns // 2)
+        return np.concatenate(numbers)
+
+
+def _halved(values: Float[Array, "rows columns 3"]) -> Float[Array, "down across 3"]:
+    """Means over squares of 2 × 2; what is missing at the end counts as 0."""
+    rows, columns, _ = values.shape
+    even = jnp.pad(values, ((0, rows % 2), (0, columns % 2), (0, 0)))
+    return 0.25 * (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2])
