@@ -21,7 +21,6 @@ from .._parameters import Parameter, Slot, attach_priors, resolve, split
 from .._priors import AbstractPrior
 from ._picture_target import PictureTarget
 from ._sandwich import TILES, sandwich
-from ._scene_model import SceneModel
 
 THRESHOLDS = Interval(-3.0, 1.0)
 """Where ε [-] lies if nothing else is said."""
@@ -60,7 +59,7 @@ class PictureFit:
     cost: float
     steps: tuple[PictureStep, ...]
     seconds: float
-    model: SceneModel
+    model: Any
 
     @property
     def correlations(self) -> Float[np.ndarray, "p p"]:
@@ -70,7 +69,7 @@ class PictureFit:
 
 
 def fit_picture(
-    model: SceneModel,
+    model: eqx.Module,
     free: Free,
     target: PictureTarget,
     *,
@@ -89,7 +88,8 @@ def fit_picture(
 
     **Arguments:**
 
-    - `model`: its leaves are the starting point.
+    - `model`: a `SceneModel`, or another module that answers `picture(size, method)`; its leaves are the starting
+      point.
     - `free`: which leaves may change, as for `fitting.fit`: `lambda m: (m.wind.speed, m.choppiness, m.exposure)`.
     - `target`: the picture; `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
@@ -102,7 +102,11 @@ def fit_picture(
     **Raises:** `ValueError` for arguments that make no sense; `FitError` if the picture is not finite at the start, or
     if the fit does not come to rest.
     """
-    check_kind("model", model, SceneModel, "a `SceneModel`")
+    if not callable(getattr(model, "picture", None)):
+        raise ValueError(
+            "Argument `model` must answer `picture(size, method)`, as a `SceneModel` does, but is a "
+            f"{type(model).__name__}."
+        )
     check_kind("target", target, PictureTarget, "a `PictureTarget`")
     if not 0 < tolerance < 1:
         raise ValueError(f"Argument `tolerance` must be between 0 and 1, but is {tolerance:g}.")
@@ -116,24 +120,30 @@ def fit_picture(
     with jax.enable_x64(True):
         problem = _Problem(model, target, tuple(p for _, p in slots), tuple(s for s, _ in slots), method)
         free_values, steps = _descend(problem, tolerance, most_steps, report)
-        rows, jacobian = (np.asarray(each) for each in _look(problem, free_values))
+        rows, jacobian = _look(problem, free_values)
         values = np.asarray(problem.constrain(free_values))
-        stretch = np.asarray(problem.stretch(free_values))
-    data = rows.size - problem.prior_size
-    covariance = sandwich(
-        rows[:data], jacobian[:data] / stretch, jacobian[data:] / stretch, target.places(TILES)
-    )
+        covariance = _covariance(problem, rows, jacobian / problem.stretch(free_values))
     errors = np.sqrt(np.diag(covariance))
     return PictureFit(
         problem.named(values),
         problem.named(errors),
         tuple(label for slot in problem.slots for label in slot.labels(())),
         covariance,
-        0.5 * float(rows @ rows),
+        0.5 * float(jnp.sum(rows**2)),
         tuple(steps),
         time.perf_counter() - began,
         problem.put(values, as_given=True),
     )
+
+
+def _covariance(problem: "_Problem", rows: Array, jacobian: Array) -> np.ndarray:
+    """Of the numbers themselves; see `sandwich`."""
+    target, data = problem.target, rows.size - problem.prior_size
+    weights = jax.vmap(target.of_pixels, in_axes=1, out_axes=1)(jacobian[:data])
+    # The finest level comes first, and is the pixels themselves.
+    pulls = rows[: weights.shape[0], None] * weights
+    own, priors = (part.T @ part for part in (jacobian[:data], jacobian[data:]))
+    return sandwich(*(np.asarray(each) for each in (pulls, target.places(TILES), own, priors)))
 
 
 def _bounded(slot: Slot) -> Slot:
@@ -145,7 +155,7 @@ def _bounded(slot: Slot) -> Slot:
 class _Problem(eqx.Module):
     """Residuals of a flat vector of free numbers."""
 
-    model: SceneModel
+    model: Any
     target: PictureTarget
     priors: tuple[AbstractPrior | None, ...]
     slots: tuple[Slot, ...] = eqx.field(static=True)
@@ -176,7 +186,7 @@ class _Problem(eqx.Module):
     def prior_size(self) -> int:
         return sum(s.size for s, prior in zip(self.slots, self.priors, strict=True) if prior is not None)
 
-    def put(self, values: Any, *, as_given: bool = False) -> SceneModel:
+    def put(self, values: Any, *, as_given: bool = False) -> Any:
         """The scene with these numbers, in doubles or in the types that they came in."""
         leaves, treedef = jax.tree.flatten(self.model)
         for slot, part in zip(self.slots, split(self.slots, values), strict=True):

@@ -1,6 +1,7 @@
 """A picture that a scene is held against, pixel by pixel and blurred."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -69,23 +70,27 @@ class PictureTarget(eqx.Module):
         return rows, columns
 
     def residuals(self, picture: Float[Array, "rows columns 3"]) -> Float[Array, " n"]:
-        """r of all levels, one behind the other."""
+        """r of all levels, one behind the other: first that of the pixels themselves."""
         own, other = (jnp.log1p(jnp.maximum(each, 0.0) / self.middle) for each in (picture, self.image))
-        apart = self.mask[..., None] * (own - other.astype(own.dtype))
+        return self._levels(self.mask[..., None] * (own - other.astype(own.dtype)))
+
+    def of_pixels(self, rows: Float[Array, " n"]) -> Float[Array, " pixel"]:
+        """What each number of each pixel adds to a sum over `rows` times residuals: the transpose of the levels."""
+        pixels = jax.ShapeDtypeStruct(self.image.shape, rows.dtype)
+        return jax.linear_transpose(self._levels, pixels)(rows)[0].ravel()
+
+    def places(self, tiles: int) -> Int[np.ndarray, " pixel"]:
+        """For each number of each pixel, in which of tiles × tiles parts of the image it lies."""
+        rows, columns = self.size
+        tile = (np.arange(rows) * tiles // rows)[:, None] * tiles + np.arange(columns) * tiles // columns
+        return np.repeat(tile.ravel(), 3)
+
+    def _levels(self, apart: Float[Array, "rows columns 3"]) -> Float[Array, " n"]:
         rows = []
         for level in range(self.levels):
             rows.append(2.0**level * apart.ravel())
             apart = _halved(apart)
         return jnp.concatenate(rows)
-
-    def places(self, tiles: int) -> Int[np.ndarray, " n"]:
-        """For each residual, which of tiles × tiles parts of the image it lies in."""
-        numbers, (rows, columns) = [], self.size
-        for _ in range(self.levels):
-            tile = (np.arange(rows) * tiles // rows)[:, None] * tiles + np.arange(columns) * tiles // columns
-            numbers.append(np.repeat(tile.ravel(), 3))
-            rows, columns = -(-rows // 2), -(-columns // 2)
-        return np.concatenate(numbers)
 
 
 def _halved(values: Float[Array, "rows columns 3"]) -> Float[Array, "down across 3"]:

@@ -8,27 +8,26 @@ TILES = 8
 
 
 def sandwich(
-    rows: Float[np.ndarray, " n"],
-    jacobian: Float[np.ndarray, "n p"],
-    priors: Float[np.ndarray, "m p"],
+    pulls: Float[np.ndarray, "n p"],
     places: Int[np.ndarray, " n"],
+    hessian: Float[np.ndarray, "p p"],
+    priors: Float[np.ndarray, "p p"],
 ) -> Float[np.ndarray, "p p"]:
     """Covariance of fitted numbers from how differently the parts of an image pull at them.
 
-    $$ C = H^{-1} \\Big(\\frac{B}{B - 1} \\sum_b g_b g_b^T + J_p^T J_p\\Big) H^{-1}, \\quad
-       g_b = \\sum_{i ∈ b} r_i J_i, \\quad H = J^T J + J_p^T J_p $$
+    $$ C = H^{-1} \\Big(\frac{B}{B - 1} \\sum_b g_b g_b^T + H_p\\Big) H^{-1}, \\quad
+       g_b = \\sum_{i ∈ b} g_i, \\quad H = J^T J + H_p $$
 
     Unlike σ²H⁻¹ it asks neither for independent pixels nor for a scatter that is the same everywhere.
 
-    **Arguments:** `rows` r and `jacobian` J of the picture; `priors` J_p: Jacobian of the priors' residuals; `places` b
-    of the rows.
+    **Arguments:** `pulls` g_i: what each datum adds to the gradient Jᵀr of the cost; `places` b of the data; `hessian`
+    JᵀJ and `priors` H_p: information of data and priors.
 
     **Returns:** C.
 
     **Source:** Liang & Zeger 1986, for clusters of observations.
     """
     number = int(places.max()) + 1
-    pulls = np.stack([np.bincount(places, rows * column, number) for column in jacobian.T], axis=1)
-    own = priors.T @ priors
-    inverse = np.linalg.pinv(jacobian.T @ jacobian + own, hermitian=True)
-    return inverse @ (pulls.T @ pulls * number / max(number - 1, 1) + own) @ inverse
+    sums = np.stack([np.bincount(places, column, number) for column in pulls.T], axis=1)
+    inverse = np.linalg.pinv(hessian + priors, hermitian=True)
+    return inverse @ (sums.T @ sums * number / max(number - 1, 1) + priors) @ inverse

@@ -1,0 +1,204 @@
+"""From a picture back to numbers: the way of a fit, its errors, and what it refuses."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import fitting
+import jaxocean as jo
+from fitting.pictures import PictureTarget, SceneModel, fit_picture
+from fitting.pictures._sandwich import sandwich
+
+SIZE = (40, 56)
+
+
+class Stripes(eqx.Module):
+    """A picture of two sets of stripes: quick to draw, and not linear in what it is made from."""
+
+    phase: jax.Array
+    contrast: jax.Array
+    choppiness: jax.Array
+    exposure: jax.Array
+    unseen: jax.Array
+
+    def __init__(self, phase=0.3, contrast=0.5, choppiness=0.8, exposure=1.0, unseen=2.0):
+        self.phase, self.contrast = jnp.asarray(phase), jnp.asarray(contrast)
+        self.choppiness, self.exposure, self.unseen = (
+            jnp.asarray(choppiness),
+            jnp.asarray(exposure),
+            jnp.asarray(unseen),
+        )
+
+    def picture(self, size, method):
+        y, x = jnp.meshgrid(*(jnp.arange(side, dtype=float) for side in size), indexing="ij")
+        crest = jnp.sin(0.5 * y + 0.1 * x + self.phase) + self.choppiness * jnp.sin(0.23 * x - 0.3 * y)
+        grey = jnp.exp(self.contrast * crest)
+        return jnp.exp2(self.exposure) * jnp.stack([grey, 0.9 * grey, 0.5 + grey], axis=-1)
+
+
+def free(model):
+    return model.phase, model.contrast, model.choppiness, model.exposure
+
+
+TRUTH = Stripes()
+START = Stripes(0.8, 0.35, 1.1, 0.2)
+NAMES = ("phase", "contrast", "choppiness", "exposure")
+
+
+@pytest.fixture(scope="module")
+def target():
+    return PictureTarget(TRUTH.picture(SIZE, None))
+
+
+def test_numbers_are_found_again_and_each_step_is_told(target):
+    told = []
+    found = fit_picture(START, free, target, report=told.append)
+    for name in NAMES:
+        np.testing.assert_allclose(found.values[name], getattr(TRUTH, name), atol=1e-4)
+        np.testing.assert_allclose(getattr(found.model, name), getattr(TRUTH, name), atol=1e-4)
+    assert found.model.unseen == START.unseen
+    assert told == list(found.steps)
+    assert told[0].values == {name: float(getattr(START, name)) for name in NAMES}
+    costs = [step.cost for step in told]
+    assert costs == sorted(costs, reverse=True)
+    assert found.cost < 1e-6 * costs[0]
+
+
+def test_residuals_are_means_over_growing_squares():
+    rng = np.random.default_rng(0)
+    first, second = rng.uniform(0.1, 2, (2, 5, 7, 3))
+    mask = rng.uniform(0, 1, (5, 7))
+    target = PictureTarget(jnp.asarray(second), jnp.asarray(mask), levels=3)
+    found = np.asarray(target.residuals(jnp.asarray(first)))
+    middle = np.median(second @ np.asarray(jo.optics.luminance(jnp.eye(3))))
+    apart = np.zeros((8, 8, 3))
+    apart[:5, :7] = mask[..., None] * (np.log1p(first / middle) - np.log1p(second / middle))
+    expected = []
+    for level, (rows, columns) in enumerate(((5, 7), (3, 4), (2, 2))):
+        side = 2**level
+        means = apart.reshape(8 // side, side, 8 // side, side, 3).mean(axis=(1, 3))
+        expected.append(side * means[:rows, :columns].ravel())
+    np.testing.assert_allclose(found, np.concatenate(expected), rtol=1e-12, atol=1e-14)
+    # The transpose: what pixels add to a weighted sum of residuals.
+    weights = rng.normal(0, 1, found.size)
+    by_pixels = np.asarray(target.of_pixels(jnp.asarray(weights))) @ apart[:5, :7].ravel()
+    np.testing.assert_allclose(by_pixels, weights @ found, rtol=1e-10)
+
+
+def test_what_is_masked_does_not_count(target):
+    spoilt = target.image.at[:, 30:].set(7.0)
+    mask = jnp.ones(SIZE).at[:, 30:].set(0.0)
+    found = fit_picture(START, free, PictureTarget(spoilt, mask))
+    for name in NAMES:
+        np.testing.assert_allclose(found.values[name], getattr(TRUTH, name), atol=1e-4)
+
+
+def test_what_the_picture_does_not_tell_is_left_to_the_prior(target):
+    prior = fitting.Normal(3.0, 0.5, where=lambda m: m.unseen)
+    found = fit_picture(START, lambda m: (*free(m), m.unseen), target, priors=[prior])
+    np.testing.assert_allclose(found.values["unseen"], 3.0, atol=1e-3)
+    np.testing.assert_allclose(found.errors["unseen"], 0.5, rtol=1e-3)
+    np.testing.assert_allclose(found.values["phase"], TRUTH.phase, atol=1e-4)
+
+
+def test_nine_in_ten_intervals_hold_the_truth_though_neighbours_err_together():
+    rng = np.random.default_rng(1)
+    clean = np.asarray(TRUTH.picture(SIZE, None))
+    inside = []
+    for _ in range(40):
+        # Errors of blocks of 5 × 7 pixels: what single pixels seem to know is 35 times too much.
+        rough = np.kron(rng.normal(0, 0.03, (8, 8)), np.ones((5, 7)))
+        found = fit_picture(TRUTH, free, PictureTarget(jnp.asarray(clean * np.exp(rough)[..., None])))
+        inside += [
+            abs(found.values[name] - float(getattr(TRUTH, name))) < 1.645 * found.errors[name]
+            for name in NAMES
+        ]
+    # Binomial, 160 of 90 %: 0.85 to 0.95, were they independent.
+    assert 0.82 < np.mean(inside) < 0.97, np.mean(inside)
+
+
+def test_a_covariance_of_parts_that_err_apart_is_that_of_least_squares():
+    rng = np.random.default_rng(2)
+    places = np.repeat(np.arange(400), 5)
+    jacobian = rng.normal(0, 1, (2000, 3))
+    rows = rng.normal(0, 0.3, 2000)
+    found = sandwich(rows[:, None] * jacobian, places, jacobian.T @ jacobian, np.zeros((3, 3)))
+    expected = 0.3**2 * np.linalg.inv(jacobian.T @ jacobian)
+    np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=0.25)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda image: PictureTarget(image.at[0, 0].set(jnp.nan)), "must be finite"),
+        (lambda image: PictureTarget(0 * image), "must hold light"),
+        (lambda image: PictureTarget(image, jnp.zeros(SIZE)), "hides the whole image"),
+        (lambda image: PictureTarget(image, 2 * jnp.ones(SIZE)), "between 0 and 1"),
+        (lambda image: PictureTarget(image, levels=0), "`levels`"),
+    ],
+)
+def test_pictures_that_cannot_be_compared_are_refused(target, change, words):
+    with pytest.raises(ValueError, match=words):
+        change(target.image)
+
+
+def test_fits_that_lead_nowhere_say_why(target):
+    with pytest.raises(fitting.FitError, match="come to rest in 1 steps"):
+        fit_picture(START, free, target, most_steps=1)
+    with pytest.raises(fitting.FitError, match="not finite"):
+        fit_picture(Stripes(contrast=1e3), free, target)
+    with pytest.raises(ValueError, match=r"picture\(size, method\)"):
+        fit_picture(jo.Wind(3.0), lambda m: m.speed, target)
+    with pytest.raises(ValueError, match="tolerance"):
+        fit_picture(START, free, target, tolerance=0.0)
+
+
+CASCADE = jo.surface.Cascade((120.0, 17.0), 32)
+NOISE = jo.surface.draw_noise(CASCADE, key=jax.random.key(3))
+
+
+def scene(speed=13.0, direction=0.3, choppiness=1.0, threshold=0.65, exposure=3.0):
+    return SceneModel(
+        jo.Wind(speed, direction),
+        jo.render.Camera((1.0, 2.0, 15.0), heading=0.5, pitch=0.4, field_of_view=0.8),
+        cascade=CASCADE,
+        noise=NOISE,
+        choppiness=choppiness,
+        threshold=threshold,
+        breaking_wavenumber=4.0,
+        exposure=exposure,
+    )
+
+
+def test_a_scene_is_the_ocean_that_it_says():
+    ocean = scene().ocean()
+    sea = jo.surface.realise(jo.spectra.Elfouhaily(jo.Wind(13.0, 0.3)), CASCADE, noise=NOISE)
+    expected = jo.Ocean(sea, threshold=0.65, breaking_wavenumber=4.0)
+    assert jax.tree.structure(ocean.sea.waves) == jax.tree.structure(expected.sea.waves)
+    for one, other in zip(jax.tree.leaves(ocean), jax.tree.leaves(expected), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
+def test_noise_of_another_cascade_is_refused():
+    with pytest.raises(ValueError, match="shape"):
+        SceneModel(jo.Wind(3.0), jo.render.Camera((0.0, 0.0, 5.0)), cascade=CASCADE, noise=NOISE[:, :16, :16])
+
+
+@pytest.mark.slow
+def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_resolution():
+    rows, columns = 36, 64
+    fine = jax.jit(lambda m: m.picture((2 * rows, 2 * columns), jo.render.Rays()))(scene())
+    image = np.asarray(fine).reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3))
+    start = scene(17.0, 0.8, 1.3, 0.5, 3.6)
+    found = fit_picture(
+        start,
+        lambda m: (m.wind.speed, m.wind.direction, m.choppiness, m.threshold, m.exposure),
+        PictureTarget(jnp.asarray(image)),
+    )
+    assert abs(found.values["speed"] / 13.0 - 1) < 0.05
+    assert abs(found.values["direction"] - 0.3) < 0.06
+    assert abs(found.values["choppiness"] - 1) < 0.1
+    assert abs(found.values["threshold"] - 0.65) < 0.06
+    assert abs(found.values["exposure"] - 3.0) < 0.1
