@@ -25,6 +25,9 @@ from ._sandwich import TILES, sandwich
 THRESHOLDS = Interval(-3.0, 1.0)
 """Where ε [-] lies if nothing else is said."""
 
+FINISHES = 3
+"""Steps with a more exact method, of which each draws one picture."""
+
 Free = Callable | Parameter | Sequence[Callable | Parameter]
 
 
@@ -75,6 +78,7 @@ def fit_picture(
     *,
     priors: Sequence[AbstractPrior] = (),
     method: Raster | Rays | None = None,
+    finish: Raster | Rays | None = None,
     tolerance: float = 1e-3,
     most_steps: int = 40,
     report: Callable[[PictureStep], None] | None = None,
@@ -93,6 +97,9 @@ def fit_picture(
     - `free`: which leaves may change, as for `fitting.fit`: `lambda m: (m.wind.speed, m.choppiness, m.exposure)`.
     - `target`: the picture; `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
+    - `finish`: a more exact method for the end: up to `FINISHES` Gauss–Newton steps with its residuals and the other
+      method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
+      in the numbers.
     - `tolerance`: relative change of numbers and residuals below which it is done.
     - `most_steps`: after which it gives up.
     - `report`: called with the start and with each step that lowers the cost.
@@ -121,6 +128,8 @@ def fit_picture(
         problem = _Problem(model, target, tuple(p for _, p in slots), tuple(s for s, _ in slots), method)
         free_values, steps = _descend(problem, tolerance, most_steps, report)
         rows, jacobian = _look(problem, free_values)
+        if finish is not None:
+            free_values, rows = _finish(problem.by(finish), free_values, jacobian)
         values = np.asarray(problem.constrain(free_values))
         covariance = _covariance(problem, rows, jacobian / problem.stretch(free_values))
     errors = np.sqrt(np.diag(covariance))
@@ -134,6 +143,18 @@ def fit_picture(
         time.perf_counter() - began,
         problem.put(values, as_given=True),
     )
+
+
+def _finish(problem: "_Problem", free: Array, jacobian: Array) -> tuple[Array, Array]:
+    """Gauss–Newton steps with the residuals of one method and the derivatives of another."""
+    rows = _rows(problem, free)
+    for _ in range(FINISHES):
+        ahead = free - jnp.linalg.lstsq(jacobian, rows)[0]
+        there = _rows(problem, ahead)
+        if not float(jnp.sum(there**2)) < float(jnp.sum(rows**2)):
+            break
+        free, rows = ahead, there
+    return free, rows
 
 
 def _covariance(problem: "_Problem", rows: Array, jacobian: Array) -> np.ndarray:
@@ -182,6 +203,10 @@ class _Problem(eqx.Module):
                 parts.append(prior.residual(part).ravel())
         return jnp.concatenate(parts)
 
+    def by(self, method: Raster | Rays) -> "_Problem":
+        """The same with pictures drawn in another way."""
+        return _Problem(self.model, self.target, self.priors, self.slots, method)
+
     @property
     def prior_size(self) -> int:
         return sum(s.size for s, prior in zip(self.slots, self.priors, strict=True) if prior is not None)
@@ -214,6 +239,11 @@ def _look(problem: _Problem, free: Float[Array, " p"]) -> tuple[Float[Array, " n
 
     rows, changes = jax.lax.map(along, jnp.eye(free.size))
     return rows[0], changes.T
+
+
+@eqx.filter_jit
+def _rows(problem: _Problem, free: Float[Array, " p"]) -> Float[Array, " n"]:
+    return problem.rows(free)
 
 
 @jax.custom_jvp

@@ -87,6 +87,23 @@ def test_residuals_are_means_over_growing_squares():
     np.testing.assert_allclose(by_pixels, weights @ found, rtol=1e-10)
 
 
+def test_a_more_exact_method_at_the_end_takes_out_what_the_quick_one_gets_wrong():
+    class Rough(Stripes):
+        def picture(self, size, method):
+            exact = super().picture(size, method)
+            # Too little contrast, as a mesh that loses the shortest waves.
+            return exact if isinstance(method, jo.render.Rays) else exact**0.97
+
+    truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
+    target = PictureTarget(truth.picture(SIZE, jo.render.Rays()))
+    quick = fit_picture(start, free, target)
+    exact = fit_picture(start, free, target, finish=jo.render.Rays())
+    assert abs(quick.values["contrast"] - 0.5) > 0.005
+    for name in NAMES:
+        np.testing.assert_allclose(exact.values[name], getattr(truth, name), atol=1e-4)
+    assert exact.cost < 1e-3 * quick.cost
+
+
 def test_what_is_masked_does_not_count(target):
     spoilt = target.image.at[:, 30:].set(7.0)
     mask = jnp.ones(SIZE).at[:, 30:].set(0.0)
