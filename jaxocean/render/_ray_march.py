@@ -21,8 +21,10 @@ REFINEMENTS = 12
 """Evaluations inside of the bracket; Newton's method does the rest."""
 
 CLOSE = 1e-3
-"""Distance [pixels] between ray and surface at which the bracket is narrow enough."""
+"""Distance [pixels] between ray and surface at which the ray has arrived, on whichever side."""
 
+ROUNDING = 8
+"""The same over the distance from the camera, in roundings of that, where pixels are as fine as numbers."""
 
 LANES = 8192
 """Rays that are under way at once; whenever some have arrived, others take their places."""
@@ -62,7 +64,8 @@ class _Rays(NamedTuple):
 
 class _Lanes(NamedTuple):
     """`number` of the ray; `a` and `b`: rest point along the ray's plane and across it; `low`, `high`: the bracket of
-    a, with the clearance there; `last`: which end moved last; `left`: refinements to come."""
+    a, with the clearance there; `last`: which end moved last; `left`: refinements to come; `crossed`: whether it has
+    met the surface."""
 
     number: Int[Array, " lane"]
     a: Float[Array, " lane"]
@@ -87,7 +90,7 @@ def first_crossing(
     height: Scalar,
     least_step: ScalarLike,
 ) -> Start:
-    """The first place along each ray where it passes below the surface, to within `CLOSE` of a pixel.
+    """The first place along each ray where it passes below the surface, or comes within `CLOSE` of a pixel of it.
 
     The march goes over the rest plane, along the line a whose points are displaced into the ray's own vertical plane;
     a fixed point across it, b ← −v(a, b), takes one step with every step along it. Folds are no obstacle: the line is
@@ -188,7 +191,11 @@ def _step(
     safe = jnp.abs(clearance) / (dive * (1 + moved) + raised + 1e-12)
     ahead = jnp.minimum(lane.a + jnp.maximum(safe, least_step * jnp.sqrt(12 * variance)), rays.end)
 
-    crossed = lane.crossed | below
+    # As near as this a ray has arrived, on either side. At a calm sea it starts there, and only rounding says on which:
+    # compilers may work the clearance out anew for each decision below, and not always with the same sign.
+    close = jnp.maximum(CLOSE * surface.angle, ROUNDING * float(jnp.finfo(depth.dtype).eps))
+    near = (jnp.abs(clearance) < close * depth) & (depth > 0)
+    crossed = lane.crossed | below | near
     low, high = jnp.where(below, lane.low, lane.a), jnp.where(below, lane.a, lane.high)
     # Behind the camera the clearance means nothing but "before".
     clear = jnp.where(below, lane.clear, jnp.maximum(clearance, 1e-30))
@@ -200,9 +207,8 @@ def _step(
     left = lane.left - crossed.astype(jnp.int32)
     share = clear / jnp.maximum(clear - under, 1e-30)
     inside = low + (high - low) * jnp.clip(share, 0.02, 0.98)
-    near = (jnp.abs(clearance) < CLOSE * surface.angle * depth) & (depth > 0)
     steps = lane.steps + 1
-    finished = (crossed & (near | (left <= 0))) | (~crossed & ((lane.a >= rays.end) | (steps >= MOST_STEPS)))
+    finished = near | (crossed & (left <= 0)) | (~crossed & ((lane.a >= rays.end) | (steps >= MOST_STEPS)))
     a = jnp.where(finished, lane.a, jnp.where(crossed, inside, ahead))
     new = _Lanes(
         lane.number, a, lane.b - aside, low, clear, high, under, last, left, depth, crossed, finished, steps

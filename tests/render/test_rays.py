@@ -46,6 +46,13 @@ def displaced_places(fields, camera, curvature, place):
     return jnp.stack(scene.surface(*place), axis=-1) + camera.position * jnp.array([1.0, 1.0, 0.0])
 
 
+@eqx.filter_jit
+def find_water(fields, camera, curvature):
+    return map_visible(
+        lambda v: (v.hit, v.depth), fields, CASCADE, camera, SIZE, method=Rays(), curvature=curvature
+    )[0]
+
+
 @pytest.fixture(scope="module")
 def sea():
     return windy(CASCADE, 12.0)
@@ -73,6 +80,32 @@ def test_a_calm_sea_is_the_plane_with_its_footprints(name):
     found = np.asarray(visible.footprint.axes)[tuple(pixels.T)]
     # What keeps footprints bounded where they are seen edge on takes a part in 2500 from all of them.
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_no_pixel_of_a_calm_sea_is_void_from_any_height(dtype):
+    fields = jax.tree.map(lambda x: x.astype(np.result_type(dtype, np.complex64)), calm_fields(CASCADE))
+    views = [(camera, curvature) for camera in CAMERAS.values() for curvature in (0.0, EARTH_CURVATURE)]
+    for height in (2e6, 6e6, 2e7):
+        for pitch in (1.2, np.pi / 2):
+            camera = Camera((0.0, 0.0, height), heading=0.4, pitch=pitch, roll=0.3, field_of_view=1.0)
+            views.append((camera, EARTH_CURVATURE))
+    seen = 0
+    for camera, curvature in views:
+        hit, depth = map(np.asarray, find_water(fields, camera.astype(dtype), jnp.asarray(curvature, dtype)))
+        height = float(camera.position[2])
+        # The ray meets the sphere if it points further down than the limb is; here it does so first.
+        sine = -np.asarray(camera.rays(SIZE))[..., 2]
+        down, limb = np.arcsin(sine), np.arccos(1 / (1 + curvature * height))
+        margin = 1e-3 / float(camera.focal_length(SIZE))
+        inside = down > limb + margin
+        assert np.all(hit[inside]), (height, curvature)
+        assert not np.any(hit[down < limb - margin]), (height, curvature)
+        slant, rest = (1 + curvature * height) * sine[inside], height * (2 + curvature * height)
+        exact = rest / (slant + np.sqrt(slant**2 - curvature * rest))
+        np.testing.assert_allclose(depth[inside], exact, rtol=1e-4 if dtype == np.float32 else 1e-8)
+        seen += inside.sum()
+    assert seen > 7000
 
 
 def test_rays_end_where_a_fine_mesh_of_the_same_surface_is(rough):
