@@ -1,7 +1,7 @@
 """From a picture back to the sea."""
 
+from ._descent import PictureStep as PictureStep
 from ._fit_picture import PictureFit as PictureFit
-from ._fit_picture import PictureStep as PictureStep
 from ._fit_picture import fit_picture as fit_picture
 from ._picture_target import PictureTarget as PictureTarget
 from ._scene_model import SceneModel as SceneModel

@@ -37,6 +37,7 @@ class PictureTarget(eqx.Module):
     mask: Float[Array, "rows columns"]
     levels: int = eqx.field(static=True)
     middle: Float[Array, ""]
+    weights: Float[Array, " level"]
 
     def __init__(self, image: Image, mask: Mask | None = None, *, levels: int = 5) -> None:
         image = as_leaf(image)
@@ -62,6 +63,12 @@ class PictureTarget(eqx.Module):
         if is_concrete(middle) and not float(middle) > 0:
             raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
         self.image, self.mask, self.levels, self.middle = image, mask.astype(image.dtype), levels, middle
+        self.weights = jnp.ones(levels, image.dtype)
+
+    def without(self, finest: int) -> "PictureTarget":
+        """The same with the finest levels left out, in an equal program."""
+        weights = (jnp.arange(self.levels) >= finest).astype(self.weights.dtype)
+        return eqx.tree_at(lambda target: target.weights, self, weights)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -88,7 +95,7 @@ class PictureTarget(eqx.Module):
     def _levels(self, apart: Float[Array, "rows columns 3"]) -> Float[Array, " n"]:
         rows = []
         for level in range(self.levels):
-            rows.append(2.0**level * apart.ravel())
+            rows.append(self.weights[level].astype(apart.dtype) * 2.0**level * apart.ravel())
             apart = _halved(apart)
         return jnp.concatenate(rows)
 

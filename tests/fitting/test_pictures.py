@@ -61,9 +61,11 @@ def test_numbers_are_found_again_and_each_step_is_told(target):
     assert found.model.unseen == START.unseen
     assert told == list(found.steps)
     assert told[0].values == {name: float(getattr(START, name)) for name in NAMES}
-    costs = [step.cost for step in told]
-    assert costs == sorted(costs, reverse=True)
-    assert found.cost < 1e-6 * costs[0]
+    assert [step.number for step in told] == list(range(len(told)))
+    for finest in (8, 1):
+        costs = [step.cost for step in told if step.finest == finest]
+        assert costs == sorted(costs, reverse=True)
+    assert found.cost < 1e-6 * told[0].cost
 
 
 def test_residuals_are_means_over_growing_squares():

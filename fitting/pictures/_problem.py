@@ -1,0 +1,94 @@
+"""A picture's residuals as a function of the free numbers of a scene."""
+
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxocean.render import Raster, Rays
+
+from .._bounds import AbstractBounds
+from .._parameters import Slot, split
+from .._priors import AbstractPrior
+from ._picture_target import PictureTarget
+
+
+class PictureProblem(eqx.Module):
+    """Residuals of a flat vector of free numbers."""
+
+    model: Any
+    target: PictureTarget
+    priors: tuple[AbstractPrior | None, ...]
+    slots: tuple[Slot, ...] = eqx.field(static=True)
+    method: Raster | Rays = eqx.field(static=True)
+
+    def start(self) -> Float[Array, " p"]:
+        leaves = jax.tree.leaves(self.model)
+        values = jnp.concatenate([jnp.ravel(jnp.asarray(leaves[s.index], float)) for s in self.slots])
+        return self._each(values, lambda bounds, x: bounds.unconstrain(x))
+
+    def constrain(self, free: Float[Array, " p"]) -> Float[Array, " p"]:
+        return self._each(free, lambda bounds, x: bounds.constrain(x))
+
+    def stretch(self, free: Float[Array, " p"]) -> Float[Array, " p"]:
+        """How fast values change with free numbers."""
+        return jax.jvp(self.constrain, (free,), (jnp.ones_like(free),))[1]
+
+    def rows(self, free: Float[Array, " p"]) -> Float[Array, " n"]:
+        values = self.constrain(free)
+        picture = self.put(values).picture(self.target.size, self.method)
+        parts = [self.target.residuals(picture).astype(values.dtype)]
+        for prior, part in zip(self.priors, split(self.slots, values), strict=True):
+            if prior is not None:
+                parts.append(prior.residual(part).ravel())
+        return jnp.concatenate(parts)
+
+    def against(self, target: PictureTarget) -> "PictureProblem":
+        """The same with another target."""
+        return PictureProblem(self.model, target, self.priors, self.slots, self.method)
+
+    def by(self, method: Raster | Rays) -> "PictureProblem":
+        """The same with pictures drawn in another way."""
+        return PictureProblem(self.model, self.target, self.priors, self.slots, method)
+
+    @property
+    def prior_size(self) -> int:
+        return sum(s.size for s, prior in zip(self.slots, self.priors, strict=True) if prior is not None)
+
+    def put(self, values: Any, *, as_given: bool = False) -> Any:
+        """The scene with these numbers, in doubles or in the types that they came in."""
+        leaves, treedef = jax.tree.flatten(self.model)
+        for slot, part in zip(self.slots, split(self.slots, values), strict=True):
+            leaves[slot.index] = jnp.asarray(part, leaves[slot.index].dtype) if as_given else part
+        return treedef.unflatten(leaves)
+
+    def named(self, values: np.ndarray) -> dict[str, Any]:
+        parts = split(self.slots, values)
+        return {
+            slot.name: float(part) if part.ndim == 0 else part
+            for slot, part in zip(self.slots, parts, strict=True)
+        }
+
+    def _each(self, values: Float[Array, " p"], change: Callable[[AbstractBounds, Any], Any]) -> Array:
+        parts = zip(self.slots, split(self.slots, values), strict=True)
+        return jnp.concatenate([change(slot.bounds, part).ravel() for slot, part in parts])
+
+
+@eqx.filter_jit
+def look(problem: PictureProblem, free: Float[Array, " p"]) -> tuple[Float[Array, " n"], Float[Array, "n p"]]:
+    """Residuals and their derivatives, one direction after the other in a loop: one program to compile for all."""
+
+    def along(direction):
+        return jax.jvp(problem.rows, (free,), (direction,))
+
+    rows, changes = jax.lax.map(along, jnp.eye(free.size))
+    return rows[0], changes.T
+
+
+@eqx.filter_jit
+def rows_of(problem: PictureProblem, free: Float[Array, " p"]) -> Float[Array, " n"]:
+    return problem.rows(free)
