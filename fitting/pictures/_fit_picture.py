@@ -84,7 +84,8 @@ def fit_picture(
     - `model`: a `SceneModel`, or another module that answers `picture(size, method)`; its leaves are the starting
       point.
     - `free`: which leaves may change, as for `fitting.fit`: `lambda m: (m.wind.speed, m.choppiness, m.exposure)`.
-    - `target`: the picture; `priors`: as for `fitting.fit`.
+    - `target`: the picture.
+    - `priors`: as for `fitting.fit`; they weigh against residuals of the picture of standard deviation 1.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
     - `finish`: a more exact method for the end: up to three Gauss–Newton steps with its residuals and the other
       method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer

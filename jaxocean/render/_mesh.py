@@ -85,7 +85,7 @@ def _area(points: tuple[Float[Array, "row column"], ...]) -> Float[Array, "row c
 
 
 def _sharpness(
-    offset: tuple[Float[Array, "row column"], ...], screen: Screen, rate: Rate
+    offset: tuple[Float[Array, "row column"], ...], screen: Screen, rate: Rate = (1, 1)
 ) -> Float[Array, "row column"]:
     """From the differences of neighbouring vertices at rest and on the screen.
 
