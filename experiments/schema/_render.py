@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ._base import QUARTER_TURN, TURN, ExperimentConfig, Section, key, wrong
 from ._camera import CameraConfig
@@ -148,12 +148,11 @@ class ImageConfig(Section):
         within="1 to 4 each",
     )
 
-    @field_validator("shading_rate")
-    @classmethod
-    def _check_rate(cls, rate: tuple[int, int]) -> tuple[int, int]:
-        if not all(1 <= side <= 4 for side in rate):
-            raise ValueError(f"must hold 1 to 4 rows and columns, but is {list(rate)}")
-        return rate
+    @model_validator(mode="after")
+    def _check_rate(self) -> Self:
+        if not all(1 <= side <= 4 for side in self.shading_rate):
+            raise wrong("shading_rate", f"hold 1 to 4 rows and columns, but holds {list(self.shading_rate)}")
+        return self
 
 
 class RayImageConfig(ImageConfig):
