@@ -1,5 +1,7 @@
 """Numerical helpers that every room needs: leaves, safe derivatives at singular points, quadrature rules."""
 
+from typing import TypeVar
+
 import jax
 import jax.core
 import jax.numpy as jnp
@@ -7,6 +9,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._types import FloatLike
+
+Tree = TypeVar("Tree")
 
 
 def as_leaf(value: FloatLike) -> Float[Array, "..."]:
@@ -152,3 +156,13 @@ def leaf_dtype(*trees: object) -> jnp.dtype:
         if hasattr(leaf, "dtype") and jnp.issubdtype(leaf.dtype, jnp.floating)
     ]
     return jnp.result_type(*leaves) if leaves else jnp.result_type(float)
+
+
+def with_dtype(tree: Tree, dtype: jnp.dtype) -> Tree:
+    """The same with every array of real numbers in one floating-point type."""
+
+    def one(leaf):
+        real = isinstance(leaf, jax.Array) and jnp.issubdtype(leaf.dtype, jnp.floating)
+        return leaf.astype(dtype) if real else leaf
+
+    return jax.tree.map(one, tree)

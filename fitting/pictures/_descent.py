@@ -59,8 +59,11 @@ def descend(
     finest: int,
     steps: list[PictureStep],
     report: Callable | None,
-) -> Array:
-    """Levenberg–Marquardt, step by step, so that whoever waits may watch."""
+) -> tuple[Array, tuple[Array, Array]]:
+    """Levenberg–Marquardt, step by step, so that whoever waits may watch.
+
+    **Returns:** where it ends, and the residuals and their derivatives there.
+    """
     solver = optx.LevenbergMarquardt(tolerance, 1e-4 * tolerance, norm=optx.rms_norm)
     # Steps grow as soon as the cost falls half as foreseen: each costs a picture for every free number.
     solver = eqx.tree_at(
@@ -88,7 +91,8 @@ def descend(
                 report(steps[-1])
         y, state = _solver_step(solver, y, state, jax.tree.map(lambda each: scale * each, known))
         if bool(state.terminate):
-            return y
+            # It ends with a step that is taken: what is known is known there.
+            return y, known
         known = look(problem, state.y_eval)
         # A step too far is one that the solver shall take back.
         finite = jnp.all(jnp.isfinite(known[0]))
@@ -97,7 +101,7 @@ def descend(
             jnp.where(finite, known[1], 0.0),
         )
     if finest:
-        return y
+        return y, known
     raise FitError(
         f"The fit did not come to rest in {most_steps} steps",
         "a picture that these numbers cannot explain, or numbers that it does not tell apart",

@@ -19,7 +19,7 @@ from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from ._descent import PictureStep, descend, finish_with
 from ._picture_target import PictureTarget
-from ._problem import PictureProblem, look
+from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
 
 COARSE, COARSE_TOLERANCE = 3, 0.03
@@ -119,11 +119,11 @@ def fit_picture(
             model, target, tuple(p for _, p in slots), tuple(s for s, _ in slots), method
         )
         free_values, steps = problem.start(), []
-        for finest in (min(COARSE, target.levels - 1), 0):
-            stage = problem.against(target.without(finest))
-            close_enough = COARSE_TOLERANCE if finest else tolerance
-            free_values = descend(stage, free_values, close_enough, most_steps, finest, steps, report)
-        rows, jacobian = look(problem, free_values)
+        coarse = min(COARSE, target.levels - 1)
+        if coarse:
+            stage = problem.against(target.without(coarse))
+            free_values, _ = descend(stage, free_values, COARSE_TOLERANCE, most_steps, coarse, steps, report)
+        free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
         if finish is not None:
             free_values, rows = finish_with(problem.by(finish), free_values, jacobian)
         values = np.asarray(problem.constrain(free_values))

@@ -3,13 +3,12 @@
 from collections.abc import Callable
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, Float
 
 from jaxocean import Ocean, Wind
 from jaxocean._constants import BREAKING_WAVENUMBER
-from jaxocean._numerics import as_leaf, check_kind, check_scalar, optional_leaf
+from jaxocean._numerics import as_leaf, check_kind, check_scalar, optional_leaf, with_dtype
 from jaxocean._types import Scalar
 from jaxocean.optics import AbstractFoam, AbstractWater, Foam, Shading, Water
 from jaxocean.optics.sky import AbstractSky, HosekWilkie
@@ -86,12 +85,7 @@ class SceneModel(eqx.Module):
 
     def computed(self) -> "SceneModel":
         """The same with every real number in the type of the noise: a fit varies doubles, pictures need none."""
-        dtype = self.noise.real.dtype
-
-        def one(leaf):
-            return leaf.astype(dtype) if eqx.is_inexact_array(leaf) and not jnp.iscomplexobj(leaf) else leaf
-
-        return jax.tree.map(one, self)
+        return with_dtype(self, self.noise.real.dtype)
 
     def picture(
         self, size: tuple[int, int], method: Raster | Rays | None = None

@@ -169,16 +169,7 @@ def map_image(
         """Of pixels, or of those that stand for groups."""
         triangle, rows = band
         visible, ahead = _visible(
-            mesh,
-            moments,
-            camera,
-            size,
-            curvature,
-            method.filtered,
-            rate == (1, 1),
-            triangle,
-            rows,
-            columns[:: rate[1]],
+            mesh, moments, camera, size, curvature, method, triangle, rows, columns[:: rate[1]]
         )
         values = shade(visible)
         if beyond is not None and rate == (1, 1):
@@ -208,14 +199,14 @@ def map_image(
 
 
 def _visible(
-    mesh, moments, camera, size, curvature, filtered: bool, alone: bool, triangle, rows, columns
+    mesh, moments, camera, size, curvature, method: Raster, triangle, rows, columns
 ) -> tuple[Visible, Float[Array, "rows columns"]]:
     """What pixels in some rows and columns see, and how far ahead [m], infinite without water."""
     # The triangle that stands for a group of pixels may lie beside the first of them.
-    outside = OUTSIDE if alone else 0.0
+    outside = OUTSIDE if method.shading_rate == (1, 1) else 0.0
     # What is apart is computed once; XLA would rather compute it again in each of its many users.
     hits = compute_apart(lambda: meet(mesh, triangle, rows, columns, outside), rows[0] >= 0)
-    if not filtered:
+    if not method.filtered:
         hits = hits._replace(variance=jnp.zeros_like(hits.variance))
 
     def look():
@@ -235,7 +226,7 @@ def _visible(
         (hits.x, hits.y),
         footprint_edges(hits),
         hits.variance,
-        hits.area if filtered else _area(seen),
+        hits.area if method.filtered else _area(seen),
         seen,
         columns,
     )

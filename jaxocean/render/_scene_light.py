@@ -1,13 +1,11 @@
 """The light of an ocean on what a camera sees."""
 
-from typing import Any
-
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._elementary import once
+from .._numerics import with_dtype
 from .._types import FloatLike
 from ..filtering import symmetric_matrix
 from ..ocean import Ocean
@@ -57,10 +55,7 @@ class SceneLight:
     """An ocean's light on what a camera sees, in the type of its fields."""
 
     def __init__(self, ocean: Ocean, dtype: jnp.dtype, flat: bool) -> None:
-        def cast(x: Any) -> Any:
-            return x.astype(dtype) if eqx.is_array(x) and jnp.issubdtype(x.dtype, jnp.floating) else x
-
-        self.ocean, self.flat = jax.tree.map(cast, ocean), flat
+        self.ocean, self.flat = with_dtype(ocean, dtype), flat
         self.unresolved = self.ocean.unresolved_slopes()
         # The mirrored sky is looked up in a table: its lobes cost the same however wide they are.
         sky = self.ocean.sky
