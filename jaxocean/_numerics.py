@@ -119,6 +119,23 @@ def safe_angle(x: Float[Array, "*s"], y: Float[Array, "*s"]) -> Float[Array, "*s
     return jnp.where(away, jnp.arctan2(jnp.where(away, y, 0.0), jnp.where(away, x, 1.0)), 0.0)
 
 
+@jax.custom_jvp
+def largest(values: Float[Array, "*b y x"]) -> Float[Array, "*b"]:
+    """max over the last two axes, whose derivative is that of one of the largest.
+
+    JAX looks for the largest by comparing all with the maximum. Where XLA computes `values` twice, with two roundings,
+    none is equal to it, and the derivative is 0/0.
+    """
+    return jnp.max(values, axis=(-2, -1))
+
+
+@largest.defjvp
+def _largest_jvp(primals, tangents):
+    values, change = (each[0].reshape(*each[0].shape[:-2], -1) for each in (primals, tangents))
+    where = jnp.argmax(values, axis=-1)[..., None]
+    return tuple(jnp.take_along_axis(each, where, axis=-1)[..., 0] for each in (values, change))
+
+
 def logarithmic_nodes(
     lower: float, upper: float, *, panels: int | None = None, order: int = 16
 ) -> tuple[np.ndarray, np.ndarray]:

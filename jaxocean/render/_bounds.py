@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .._numerics import largest
 from .._types import Scalar
 from ..surface import Cascade, Fields
 
@@ -22,12 +23,12 @@ class Bounds(eqx.Module):
     def of_fields(cls, fields: Fields) -> "Bounds":
         """The bounds of fields at one time: the sums of each pattern's own."""
         u, v = fields.displacement[..., 0], fields.displacement[..., 1]
-        furthest = jnp.max(u * u + v * v, axis=(-2, -1))
+        furthest = largest(u * u + v * v)
         flat = furthest > 0
         return cls(
             jnp.sum(jnp.where(flat, jnp.sqrt(jnp.where(flat, furthest, 1.0)), 0.0)),
-            jnp.sum(jnp.min(fields.height, axis=(-2, -1))),
-            jnp.sum(jnp.max(fields.height, axis=(-2, -1))),
+            -jnp.sum(largest(-fields.height)),
+            jnp.sum(largest(fields.height)),
         )
 
 

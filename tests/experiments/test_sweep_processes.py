@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
+from _compiler import QUICK
 from _sweep_toys import compute, computed, plan
 
 import experiments
@@ -34,7 +35,7 @@ def command(folder: Path, experiment: str, *values: str) -> list[str]:
 
 def environment() -> dict[str, str]:
     path = os.pathsep.join([str(PROJECT), str(PROJECT / "tests")])
-    return {**os.environ, "PYTHONPATH": path, "JAXOCEAN_CACHE": "off"}
+    return {"XLA_FLAGS": QUICK, **os.environ, "PYTHONPATH": path, "JAXOCEAN_CACHE": "off"}
 
 
 LISTENING = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
