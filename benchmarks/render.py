@@ -30,6 +30,7 @@ SPACINGS = (4.0, 2.0, 1.0)  # pixels
 RATES = ((1, 1), (1, 2), (2, 2))  # pixels that share a shaded point
 TARGET, GRADIENT_TARGET, MEMORY_TARGET = 150.0, 200.0, 2.0  # ms, ms, GiB
 QUALITY_TARGET, AGREEMENT_TARGET = 30.0, 35.0  # dB
+FLATNESS_TARGET = 0.3
 
 
 def run(*, quick: bool = False) -> None:
@@ -51,11 +52,19 @@ def run(*, quick: bool = False) -> None:
     for rate in RATES:
         name = f"gale at noon, whole frame, {_words(rate)}"
         _row(table, name, _times(_frame(ocean, camera, size, rate), frames), f"≤ {TARGET:g}")
+    heights = []
     for altitude in ALTITUDES:
         above = render.Camera((0.0, 0.0, altitude), heading=2.7, pitch=0.4)
-        _row(table, f"the same sea from {altitude:g} m", _times(_frame(ocean, above, size), frames))
+        times = _times(_frame(ocean, above, size), frames)
+        heights.append(float(np.median(times[0])))
+        _row(table, f"the same sea from {altitude:g} m", times)
     _peer(table, size, frames)
     console.print(table)
+    middle = 0.5 * (max(heights) + min(heights))
+    console.print(
+        f"From {ALTITUDES[0]:g} m to {ALTITUDES[-1]:g} m a frame takes {middle:.0f} ms "
+        f"±{100 * (max(heights) / middle - 1):.0f} % (target ±{100 * FLATNESS_TARGET:.0f} %)."
+    )
     # ru_maxrss is in kB on Linux.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     console.print(f"First call, mostly compilation: {first:.1f} s.")

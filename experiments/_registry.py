@@ -63,6 +63,12 @@ EXPERIMENTS = (
         "experiments.pictures.flyover",
     ),
     Experiment(
+        "picture_recovery",
+        "wind, choppiness, threshold, sun and exposure of seas, found again in pictures of them",
+        schema.PictureRecoveryConfig,
+        "experiments.pictures.picture_recovery",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

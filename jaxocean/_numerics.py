@@ -133,7 +133,8 @@ def largest(values: Float[Array, "*b y x"]) -> Float[Array, "*b"]:
 def _largest_jvp(primals, tangents):
     values, change = (each[0].reshape(*each[0].shape[:-2], -1) for each in (primals, tangents))
     where = jnp.argmax(values, axis=-1)[..., None]
-    return tuple(jnp.take_along_axis(each, where, axis=-1)[..., 0] for each in (values, change))
+    found, moved = (jnp.take_along_axis(each, where, axis=-1)[..., 0] for each in (values, change))
+    return found, moved
 
 
 def logarithmic_nodes(

@@ -1,6 +1,5 @@
 """Frames of a sequence on disk: each appears whole, and what is there is not rendered again."""
 
-import json
 import os
 import shutil
 from collections.abc import Mapping
@@ -9,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from jaxocean.io import write_png
+
+from ..harness import _records
 
 NUMBERS = "numbers.jsonl"
 
@@ -38,14 +39,7 @@ class Frames:
 
     def numbers(self) -> dict[int, dict[str, float]]:
         """The numbers of the frames that are there with their pictures."""
-        found: dict[int, dict[str, float]] = {}
-        kept = self.folder / NUMBERS
-        for line in kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else ():
-            try:
-                record = json.loads(line)
-            except ValueError:
-                continue  # the last line of a process that was killed
-            found[int(record["frame"])] = record
+        found = {int(record["frame"]): record for record in _records.read(self.folder / NUMBERS)}
         return {frame: found[frame] for frame in sorted(found) if self._whole(frame)}
 
     def _whole(self, frame: int) -> bool:
@@ -54,9 +48,7 @@ class Frames:
     def keep(self, frame: int, code: np.ndarray, numbers: Mapping[str, float]) -> None:
         """Store a frame, after its layers if it has some: the numbers come last, so that they stand for a whole one."""
         write_png(self.file(frame), code)
-        # A line that was cut off must not swallow this one.
-        with (self.folder / NUMBERS).open("a", encoding="utf-8") as file:
-            file.write("\n" + json.dumps({"frame": frame, **numbers}) + "\n")
+        _records.append(self.folder / NUMBERS, {"frame": frame, **numbers})
 
     def copy_to(self, folder: Path) -> list[Path]:
         """Put the pictures, and their layers, into another folder too, as the same files where the disk can."""

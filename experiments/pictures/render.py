@@ -19,7 +19,7 @@ def run(config: schema.RenderConfig, progress: Reporter, store: Files) -> Result
     """Render the picture of a config; see `schema.RenderConfig`."""
     progress.step("Realising the sea")
     ocean = _scene.ocean(config)
-    progress.step("Rendering")
+    progress.step("Rendering; the first picture of its kind compiles, for half a minute or so")
     layers = render.render_layers(
         ocean,
         _scene.camera(config.camera),

@@ -33,6 +33,8 @@ from ._measured import MeasuredSeaConfig as MeasuredSeaConfig
 from ._measured import NoTailConfig as NoTailConfig
 from ._measured import PowerTailConfig as PowerTailConfig
 from ._measured import RecordChoice as RecordChoice
+from ._picture_recovery import PictureRecoveryConfig as PictureRecoveryConfig
+from ._picture_recovery import TruthConfig as TruthConfig
 from ._render import ClearSkyConfig as ClearSkyConfig
 from ._render import EvenSkyConfig as EvenSkyConfig
 from ._render import ImageConfig as ImageConfig

@@ -163,6 +163,12 @@ class RayImageConfig(ImageConfig):
         1, unit="-", meaning="rays along each side of a pixel, with the method rays", ge=1, le=16
     )
 
+    @model_validator(mode="after")
+    def _check_samples(self) -> Self:
+        if self.samples > 1 and self.method != "rays":
+            raise ValueError("samples are those of rays: set method=rays, or leave samples at 1")
+        return self
+
 
 class SceneConfig(ExperimentConfig):
     """What every picture is made from: a sea, a camera, the light, the image."""

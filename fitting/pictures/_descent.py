@@ -119,3 +119,9 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
             break
         free, rows = ahead, there
     return free, rows
+
+
+def shift(problem: PictureProblem, free: Array, rows: Array, jacobian: Array) -> Array:
+    """How far free numbers would move, to first order, if the pictures were those of this problem and not those that
+    gave `rows`."""
+    return -jnp.linalg.lstsq(jacobian, rows_of(problem, free) - rows)[0]

@@ -17,7 +17,8 @@ from jaxocean.render import Raster, Rays
 from .._bounds import Interval, Real
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
-from ._descent import PictureStep, descend, finish_with
+from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
+from ._descent import PictureStep, descend, finish_with, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
@@ -37,8 +38,10 @@ class PictureFit:
     """A finished fit of a scene to a picture.
 
     - `values`, `errors`: of the free leaves by name. Errors come from how the residuals of `TILES`² parts of the image
-      pull, so that neighbouring pixels may err together.
+      pull, so that neighbouring pixels may err together, and from other methods that are in doubt.
     - `labels`: a name for each free number, the order of `covariance`.
+    - `scatter` [-]: with this as the target's `scatter` the picture's residuals, taken as independent, have errors as
+      large as these in the (geometric) mean.
     - `cost`: half the sum of squared residuals at the solution; `steps`: all that were accepted, the start first.
     - `model`: the scene with its fitted numbers.
     """
@@ -47,6 +50,7 @@ class PictureFit:
     errors: dict[str, float | Float[np.ndarray, "..."]]
     labels: tuple[str, ...]
     covariance: Float[np.ndarray, "p p"]
+    scatter: float
     cost: float
     steps: tuple[PictureStep, ...]
     seconds: float
@@ -64,16 +68,18 @@ def fit_picture(
     free: Free,
     target: PictureTarget,
     *,
+    beside: AbstractTarget | TargetSum | None = None,
     priors: Sequence[AbstractPrior] = (),
     method: Raster | Rays | None = None,
     finish: Raster | Rays | None = None,
+    doubts: Sequence[Raster | Rays] = (),
     tolerance: float = 2e-3,
     most_steps: int = 40,
     report: Callable[[PictureStep], None] | None = None,
 ) -> PictureFit:
     """Fit the numbers of a scene to a picture of the very sea whose noise the scene holds.
 
-    $$ \\min_θ ½ \\sum_l |r_l(θ)|² + ½ \\sum_p r_p(θ)² $$
+    $$ \\min_θ ½ \\sum_l |r_l(θ)|² + ½ \\sum_t |r_t(θ)|² + ½ \\sum_p r_p(θ)² $$
 
     by Levenberg–Marquardt steps of `optimistix`, first for squares of 8 and more pixels and then for all, with the
     picture's derivative taken forward, one number after the other. Pictures are drawn in the type of the noise, steps
@@ -85,11 +91,15 @@ def fit_picture(
       point.
     - `free`: which leaves may change, as for `fitting.fit`: `lambda m: (m.wind.speed, m.choppiness, m.exposure)`.
     - `target`: the picture.
-    - `priors`: as for `fitting.fit`; they weigh against residuals of the picture of standard deviation 1.
+    - `beside`: other targets that the same numbers shall meet, such as a coverage law and slopes, each with a known
+      scatter: `law + slopes`. They and priors weigh as much against the picture as the target's `scatter` says.
+    - `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
     - `finish`: a more exact method for the end: up to three Gauss–Newton steps with its residuals and the other
       method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
       in the numbers.
+    - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
+      first order, counts as one standard error of its own.
     - `tolerance`: relative change of numbers and residuals below which it is done.
     - `most_steps`: for coarse squares, and again for all, after which it gives up.
     - `report`: called with the start and with each step that lowers the cost.
@@ -110,13 +120,19 @@ def fit_picture(
     if most_steps < 1:
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
     method = Raster(shading_rate=(2, 2)) if method is None else method
+    others = () if beside is None else flatten_targets(beside)
+    for other in others:
+        if not isinstance(other.scatter, KnownScatter):
+            raise ValueError(
+                f"Argument `beside` must hold targets of known scatter, but that of {other.name} is free."
+            )
     began = time.perf_counter()
     slots = [
         (_bounded(slot), prior) for slot, prior in attach_priors(model, resolve(model, free, 1), list(priors))
     ]
     with jax.enable_x64(True):
         problem = PictureProblem(
-            model, target, tuple(p for _, p in slots), tuple(s for s, _ in slots), method
+            model, target, others, tuple(p for _, p in slots), tuple(s for s, _ in slots), method
         )
         free_values, steps = problem.start(), []
         coarse = min(COARSE, target.levels - 1)
@@ -127,13 +143,18 @@ def fit_picture(
         if finish is not None:
             free_values, rows = finish_with(problem.by(finish), free_values, jacobian)
         values = np.asarray(problem.constrain(free_values))
-        covariance = _covariance(problem, rows, jacobian / problem.stretch(free_values))
+        stretch = problem.stretch(free_values)
+        covariance, scatter = _covariance(problem, rows, jacobian / stretch)
+        for other in doubts:
+            moved = np.asarray(stretch * shift(problem.by(other), free_values, rows, jacobian))
+            covariance = covariance + np.outer(moved, moved)
     errors = np.sqrt(np.diag(covariance))
     return PictureFit(
         problem.named(values),
         problem.named(errors),
         tuple(label for slot in problem.slots for label in slot.labels(())),
         covariance,
+        scatter,
         0.5 * float(jnp.sum(rows**2)),
         tuple(steps),
         time.perf_counter() - began,
@@ -141,14 +162,17 @@ def fit_picture(
     )
 
 
-def _covariance(problem: PictureProblem, rows: Array, jacobian: Array) -> np.ndarray:
-    """Of the numbers themselves; see `sandwich`."""
-    target, data = problem.target, rows.size - problem.prior_size
+def _covariance(problem: PictureProblem, rows: Array, jacobian: Array) -> tuple[np.ndarray, float]:
+    """Of the numbers themselves, see `sandwich`; and the scatter of independent residuals that tell as much."""
+    target, data = problem.target, rows.size - problem.size_beside
     weights = jax.vmap(target.of_pixels, in_axes=1, out_axes=1)(jacobian[:data])
-    # The finest level comes first, and is the pixels themselves.
-    pulls = rows[: weights.shape[0], None] * weights
-    own, priors = (part.T @ part for part in (jacobian[:data], jacobian[data:]))
-    return sandwich(*(np.asarray(each) for each in (pulls, target.places(TILES), own, priors)))
+    # The finest level comes first, and is the pixels themselves, but for the scatter.
+    pulls = target.scatter.astype(rows.dtype) * rows[: weights.shape[0], None] * weights
+    own, others = (part.T @ part for part in (jacobian[:data], jacobian[data:]))
+    found = sandwich(*(np.asarray(each) for each in (pulls, target.places(TILES), own, others)))
+    naive = np.linalg.pinv(np.asarray(own + others), hermitian=True)
+    ratio = np.diag(found) / np.diag(naive)
+    return found, float(target.scatter) * float(np.exp(0.5 * np.mean(np.log(ratio))))
 
 
 def _bounded(slot: Slot) -> Slot:

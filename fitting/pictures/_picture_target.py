@@ -6,7 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from jaxocean._numerics import as_leaf, is_concrete
+from jaxocean._numerics import as_leaf, check_scalar, is_concrete
+from jaxocean._types import FloatLike, Scalar
 from jaxocean.optics import luminance
 
 Image = Float[Array, "rows columns 3"] | Float[np.ndarray, "rows columns 3"]
@@ -16,7 +17,7 @@ Mask = Float[Array, "rows columns"] | Float[np.ndarray, "rows columns"]
 class PictureTarget(eqx.Module):
     """Linear light to be matched, up to its exposure.
 
-    $$ r_l = 2^l \\, \\overline{m\\,(f(L) - f(T))}^{\\,2^l × 2^l}, \\quad f(L) = \\log(1 + L/\\tilde T) $$
+    $$ r_l = 2^l \\, \\overline{m\\,(f(L) - f(T))}^{\\,2^l × 2^l} / s, \\quad f(L) = \\log(1 + L/\\tilde T) $$
 
     with the picture L of a scene, the target T, the mask m and the median luminance T̃ of the target. The logarithm
     counts a wrong share of light alike in bright and dark places, and keeps glitter from deciding. Means over squares
@@ -27,6 +28,8 @@ class PictureTarget(eqx.Module):
     - `image`: T, linear with sRGB primaries, in any unit; see `jaxocean.imagery.decode_srgb` for files.
     - `mask`: what each pixel counts, 0 to 1; all of them 1 by default. Mask what the scene does not hold, and what is
       clipped to white.
+    - `scatter`: s [-], which sets what the picture weighs beside priors and other targets; 1 by default. With
+      `PictureFit.scatter` of a fit to the picture alone it weighs as much as it tells.
     - `levels`: how many sizes of squares are compared, 5 by default.
 
     **Raises:** `ValueError` for an image that is not finite or holds no light, a mask of another size or outside 0 to
@@ -38,8 +41,11 @@ class PictureTarget(eqx.Module):
     levels: int = eqx.field(static=True)
     middle: Float[Array, ""]
     weights: Float[Array, " level"]
+    scatter: Scalar
 
-    def __init__(self, image: Image, mask: Mask | None = None, *, levels: int = 5) -> None:
+    def __init__(
+        self, image: Image, mask: Mask | None = None, *, scatter: FloatLike = 1.0, levels: int = 5
+    ) -> None:
         image = as_leaf(image)
         mask = jnp.ones(image.shape[:2], image.dtype) if mask is None else as_leaf(mask)
         if is_concrete(image) and not np.all(np.isfinite(image)):
@@ -56,6 +62,7 @@ class PictureTarget(eqx.Module):
                 raise ValueError(
                     "Argument `mask` must leave something to compare, but hides the whole image."
                 )
+        check_scalar("scatter", as_leaf(scatter), "", positive=True)
         if not 1 <= levels <= 12:
             raise ValueError(f"Argument `levels` must be 1 to 12, but is {levels}.")
         bright = luminance(image)
@@ -63,7 +70,7 @@ class PictureTarget(eqx.Module):
         if is_concrete(middle) and not float(middle) > 0:
             raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
         self.image, self.mask, self.levels, self.middle = image, mask.astype(image.dtype), levels, middle
-        self.weights = jnp.ones(levels, image.dtype)
+        self.weights, self.scatter = jnp.ones(levels, image.dtype), as_leaf(scatter).astype(image.dtype)
 
     def without(self, finest: int) -> "PictureTarget":
         """The same with the finest levels left out, in an equal program."""
@@ -95,7 +102,7 @@ class PictureTarget(eqx.Module):
     def _levels(self, apart: Float[Array, "rows columns 3"]) -> Float[Array, " n"]:
         rows = []
         for level in range(self.levels):
-            rows.append(self.weights[level].astype(apart.dtype) * 2.0**level * apart.ravel())
+            rows.append((self.weights[level] * 2.0**level / self.scatter).astype(apart.dtype) * apart.ravel())
             apart = _halved(apart)
         return jnp.concatenate(rows)
 

@@ -1,6 +1,7 @@
 """A picture's residuals as a function of the free numbers of a scene."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import equinox as eqx
@@ -14,6 +15,7 @@ from jaxocean.render import Raster, Rays
 from .._bounds import AbstractBounds
 from .._parameters import Slot, split
 from .._priors import AbstractPrior
+from .._target import AbstractTarget
 from ._picture_target import PictureTarget
 
 
@@ -22,6 +24,7 @@ class PictureProblem(eqx.Module):
 
     model: Any
     target: PictureTarget
+    beside: tuple[AbstractTarget, ...]
     priors: tuple[AbstractPrior | None, ...]
     slots: tuple[Slot, ...] = eqx.field(static=True)
     method: Raster | Rays = eqx.field(static=True)
@@ -40,8 +43,12 @@ class PictureProblem(eqx.Module):
 
     def rows(self, free: Float[Array, " p"]) -> Float[Array, " n"]:
         values = self.constrain(free)
-        picture = self.put(values).picture(self.target.size, self.method)
+        scene = self.put(values)
+        picture = scene.picture(self.target.size, self.method)
         parts = [self.target.residuals(picture).astype(values.dtype)]
+        for target in self.beside:
+            predicted = jax.vmap(lambda wind, target=target: target.predict(scene, wind))(target.winds)
+            parts.append(((predicted - target.observed()) / target.scatter.value).astype(values.dtype))
         for prior, part in zip(self.priors, split(self.slots, values), strict=True):
             if prior is not None:
                 parts.append(prior.residual(part).ravel())
@@ -49,15 +56,19 @@ class PictureProblem(eqx.Module):
 
     def against(self, target: PictureTarget) -> "PictureProblem":
         """The same with another target."""
-        return PictureProblem(self.model, target, self.priors, self.slots, self.method)
+        return replace(self, target=target)
 
     def by(self, method: Raster | Rays) -> "PictureProblem":
         """The same with pictures drawn in another way."""
-        return PictureProblem(self.model, self.target, self.priors, self.slots, method)
+        return replace(self, method=method)
 
     @property
-    def prior_size(self) -> int:
-        return sum(s.size for s, prior in zip(self.slots, self.priors, strict=True) if prior is not None)
+    def size_beside(self) -> int:
+        """How many residuals there are besides those of the picture."""
+        priors = zip(self.slots, self.priors, strict=True)
+        return sum(each.size for each in self.beside) + sum(
+            slot.size for slot, prior in priors if prior is not None
+        )
 
     def put(self, values: Any, *, as_given: bool = False) -> Any:
         """The scene with these numbers, in doubles or in the types that they came in."""

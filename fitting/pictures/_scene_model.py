@@ -15,7 +15,8 @@ from jaxocean.optics.sky import AbstractSky, HosekWilkie
 from jaxocean.render import Camera, Raster, Rays, render
 from jaxocean.surface import Cascade, realise
 
-from .._spectral_model import ElfouhailySea
+from .._slopes import Slopes
+from .._spectral_model import ElfouhailySea, SpectralModel
 
 
 class SceneModel(eqx.Module):
@@ -86,6 +87,24 @@ class SceneModel(eqx.Module):
     def computed(self) -> "SceneModel":
         """The same with every real number in the type of the noise: a fit varies doubles, pictures need none."""
         return with_dtype(self, self.noise.real.dtype)
+
+    def statistics(self) -> SpectralModel:
+        """The same sea without its waves: coverage and slopes in closed form."""
+        return SpectralModel(
+            self.threshold,
+            self.choppiness,
+            spectrum=self.spectrum,
+            cascade=self.cascade,
+            breaking_wavenumber=self.breaking_wavenumber,
+        )
+
+    def log_coverage(self, wind: Wind) -> Scalar:
+        """log W of a plane, projected area, under any wind."""
+        return self.statistics().log_coverage(wind)
+
+    def slope_variance(self, wind: Wind) -> Slopes:
+        """Slope variances along and across any wind [-], of all waves up to 2000 rad/m."""
+        return self.statistics().slope_variance(wind)
 
     def picture(
         self, size: tuple[int, int], method: Raster | Rays | None = None

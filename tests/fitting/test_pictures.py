@@ -37,6 +37,9 @@ class Stripes(eqx.Module):
         grey = jnp.exp(self.contrast * crest)
         return jnp.exp2(self.exposure) * jnp.stack([grey, 0.9 * grey, 0.5 + grey], axis=-1)
 
+    def log_coverage(self, wind):
+        return -self.unseen * 20 / wind.speed
+
 
 def free(model):
     return model.phase, model.contrast, model.choppiness, model.exposure
@@ -89,13 +92,14 @@ def test_residuals_are_means_over_growing_squares():
     np.testing.assert_allclose(by_pixels, weights @ found, rtol=1e-10)
 
 
-def test_a_more_exact_method_at_the_end_takes_out_what_the_quick_one_gets_wrong():
-    class Rough(Stripes):
-        def picture(self, size, method):
-            exact = super().picture(size, method)
-            # Too little contrast, as a mesh that loses the shortest waves.
-            return exact if isinstance(method, jo.render.Rays) else exact**0.97
+class Rough(Stripes):
+    def picture(self, size, method):
+        exact = super().picture(size, method)
+        # Too little contrast, as a mesh that loses the shortest waves.
+        return exact if isinstance(method, jo.render.Rays) else exact**0.97
 
+
+def test_a_more_exact_method_at_the_end_takes_out_what_the_quick_one_gets_wrong():
     truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
     target = PictureTarget(truth.picture(SIZE, jo.render.Rays()))
     quick = fit_picture(start, free, target)
@@ -104,6 +108,18 @@ def test_a_more_exact_method_at_the_end_takes_out_what_the_quick_one_gets_wrong(
     for name in NAMES:
         np.testing.assert_allclose(exact.values[name], getattr(truth, name), atol=1e-4)
     assert exact.cost < 1e-3 * quick.cost
+
+
+def test_what_another_method_would_change_counts_as_an_error():
+    truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
+    target = PictureTarget(truth.picture(SIZE, jo.render.Rays()))
+    sure = fit_picture(start, free, target)
+    found = fit_picture(start, free, target, doubts=[jo.render.Rays()])
+    for name in NAMES:
+        moved = abs(found.values[name] - float(getattr(truth, name)))
+        expected = np.hypot(sure.errors[name], moved)
+        np.testing.assert_allclose(found.errors[name], expected, rtol=0.05)
+    assert found.errors["contrast"] > 3 * sure.errors["contrast"]
 
 
 def test_what_is_masked_does_not_count(target):
@@ -120,6 +136,41 @@ def test_what_the_picture_does_not_tell_is_left_to_the_prior(target):
     np.testing.assert_allclose(found.values["unseen"], 3.0, atol=1e-3)
     np.testing.assert_allclose(found.errors["unseen"], 0.5, rtol=1e-3)
     np.testing.assert_allclose(found.values["phase"], TRUTH.phase, atol=1e-4)
+
+
+def test_what_the_picture_does_not_tell_another_target_does(target):
+    winds = [8.0, 12.0]
+    points = fitting.CoveragePoints(winds, [np.exp(-3.0 * 20 / u) for u in winds], 0.1)
+    found = fit_picture(START, lambda m: (*free(m), m.unseen), target, beside=points)
+    np.testing.assert_allclose(found.values["unseen"], 3.0, atol=1e-3)
+    # Of two independent data, each -20 unseen/U / ln 10 with a scatter of 0.1.
+    expected = 0.1 * np.log(10) / np.hypot(20 / 8, 20 / 12)
+    np.testing.assert_allclose(found.errors["unseen"], expected, rtol=1e-3)
+    np.testing.assert_allclose(found.values["phase"], TRUTH.phase, atol=1e-4)
+    with pytest.raises(ValueError, match="known scatter"):
+        fit_picture(
+            START, free, target, beside=fitting.CoveragePoints(winds, [0.1, 0.2], fitting.FreeScatter())
+        )
+
+
+def test_a_scatter_is_what_makes_independent_residuals_tell_as_much():
+    rng = np.random.default_rng(1)
+    rough = np.kron(rng.normal(0, 0.03, (8, 8)), np.ones((5, 7)))
+    image = jnp.asarray(np.asarray(TRUTH.picture(SIZE, None)) * np.exp(rough)[..., None])
+    found = fit_picture(TRUTH, free, PictureTarget(image))
+    again = fit_picture(TRUTH, free, PictureTarget(image, scatter=found.scatter))
+    np.testing.assert_allclose(again.scatter, found.scatter, rtol=1e-6)
+    for name in NAMES:
+        np.testing.assert_allclose(again.values[name], found.values[name], atol=1e-5)
+        np.testing.assert_allclose(again.errors[name], found.errors[name], rtol=1e-3)
+    # A prior as wide as the picture's own error halves the variance, if both weigh what they tell.
+    name = "exposure"
+    prior = fitting.Normal(found.values[name], found.errors[name], where=lambda m: m.exposure)
+    held = fit_picture(
+        TRUTH, lambda m: (m.exposure,), PictureTarget(image, scatter=found.scatter), priors=[prior]
+    )
+    alone = fit_picture(TRUTH, lambda m: (m.exposure,), PictureTarget(image, scatter=found.scatter))
+    assert held.errors[name] < alone.errors[name]
 
 
 def test_nine_in_ten_intervals_hold_the_truth_though_neighbours_err_together():

@@ -43,7 +43,9 @@ def test_rounding_errs_by_a_part_in_65_000_of_each_channels_largest_sample(atlas
     largest = np.asarray(jnp.max(jnp.abs(atlases[0].level(0, 0)), axis=(-2, -1)))
     largest = largest + np.asarray(jnp.max(jnp.abs(atlases[0].level(0, 1)), axis=(-2, -1)))
     error = np.max(np.abs(rounded - exact), axis=1)
-    assert np.all(error < largest / 65_000)
+    # Half a step; and the two programs may place a point some 1e-5 samples apart.
+    assert np.all(error < largest * (1 / 65_534 + 2e-5))
+    assert np.all(np.median(np.abs(rounded - exact), axis=1) < largest / 65_534)
     assert np.all(error > 0), "nothing was rounded"
     assert np.all(np.std(exact, axis=1) > 0.1 * largest / 4)
 

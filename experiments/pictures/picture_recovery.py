@@ -1,0 +1,148 @@
+"""`picture_recovery`: seas found again in pictures of them, and whether the errors of the fits can be trusted."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import jax
+import numpy as np
+
+from fitting import FitError
+from fitting.pictures import PictureFit, PictureTarget, SceneModel, fit_picture
+from jaxocean.render import Raster, Rays
+
+from .. import schema
+from ..harness import _records
+from ..harness._errors import UserError
+from ..harness._files import Files
+from ..harness._progress import Reporter
+from ..harness._result import Result
+from . import _recovery_report, _recovery_scenes, _recovery_views
+
+FINISH = Raster(1.0)
+"""Draws the last pictures of a fit: a vertex in each pixel."""
+
+DOUBTS = (Rays(),)
+"""May be as right as that."""
+
+SHOWN = 3
+"""Seas whose pictures are shown."""
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """A sea that was looked for: numbers in the order of `_recovery_scenes.FREE`.
+
+    **Arguments:** `number`: which; `rays`: whether these drew its picture; `coverage`: its whitecaps; `truth`, `start`,
+    `found`, `errors`; `steps`, `seconds`: of the fit; `compiled`: whether these hold the compilation; `failure`: why
+    nothing was found, else empty.
+    """
+
+    number: int
+    rays: bool
+    coverage: float
+    truth: np.ndarray
+    start: np.ndarray
+    found: np.ndarray
+    errors: np.ndarray
+    steps: int
+    seconds: float
+    compiled: bool
+    failure: str
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """Whether each number was recovered."""
+        return _recovery_scenes.recovered(self.truth, self.found)
+
+    def holds(self, level: float) -> np.ndarray:
+        """Whether each number's interval of that probability holds the truth."""
+        return np.abs(self.found - self.truth) <= _recovery_scenes.half_width(level) * self.errors
+
+
+def run(config: schema.PictureRecoveryConfig, progress: Reporter, store: Files) -> Result:
+    """Look for all seas; see `schema.PictureRecoveryConfig`."""
+    kept = store.unfinished() / "recovered.jsonl"
+    done = {record["number"]: record for record in _records.read(kept)}
+    advance = progress.count(
+        "Seas looked for in their pictures; the first two compile, for minutes", config.truths.count
+    )
+    compiled = True
+    for number in range(config.truths.count):
+        if number not in done:
+            done[number] = _recover(config, number, compiled)
+            _records.append(kept, done[number])
+            compiled = False
+        advance()
+    recoveries = [_read(done[number]) for number in range(config.truths.count)]
+    progress.step("Drawing")
+    _recovery_views.plot(store, config, recoveries)
+    shown = [each for each in recoveries if not each.failure][:SHOWN]
+    _recovery_views.show(store, [_pictures(config, each) for each in shown], shown)
+    _recovery_views.save(store, recoveries)
+    result = _recovery_report.result(config, recoveries)
+    store.text("report.md", _recovery_report.report(config, recoveries, result))
+    return result
+
+
+def _drawn(config: schema.PictureRecoveryConfig, number: int) -> tuple[SceneModel, SceneModel, float]:
+    drawn = _recovery_scenes.draw(config, number)
+    if drawn is None:
+        limits = config.truths
+        raise UserError(
+            f"Keys `truths.least_coverage` and `truths.most_coverage`: of {_recovery_scenes.DRAWS} seas none has a "
+            f"coverage between {limits.least_coverage:g} and {limits.most_coverage:g}: set them further apart."
+        )
+    return drawn
+
+
+def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) -> dict:
+    truth, start, coverage = _drawn(config, number)
+    method = _recovery_scenes.method(config, number)
+    image = _recovery_scenes.target(truth, (config.height, config.width), config.detail, method)
+    found, failure = None, ""
+    try:
+        found = fit_picture(start, _recovery_scenes.free, PictureTarget(image), finish=FINISH, doubts=DOUBTS)
+    except FitError as problem:
+        failure = str(problem)
+    values, errors = _numbers(found)
+    return {
+        "number": number,
+        "rays": isinstance(method, Rays),
+        "coverage": coverage,
+        "truth": [float(each) for each in _recovery_scenes.free(truth)],
+        "start": [float(each) for each in _recovery_scenes.free(start)],
+        "found": values,
+        "errors": errors,
+        "steps": len(found.steps) if found else 0,
+        "seconds": found.seconds if found else None,
+        "compiled": compiled,
+        "failure": failure,
+    }
+
+
+def _numbers(found: PictureFit | None) -> tuple[list[float | None], list[float | None]]:
+    if found is None:
+        nothing: list[float | None] = [None] * len(_recovery_scenes.FREE)
+        return nothing, nothing
+    return [float(each) for each in found.values.values()], [float(each) for each in found.errors.values()]
+
+
+def _read(record: dict) -> Recovery:
+    arrays = {
+        name: np.asarray([np.nan if each is None else each for each in record[name]], float)
+        for name in ("truth", "start", "found", "errors")
+    }
+    seconds = np.nan if record["seconds"] is None else record["seconds"]
+    return Recovery(**{**record, **arrays, "seconds": seconds})
+
+
+def _pictures(config: schema.PictureRecoveryConfig, each: Recovery) -> list[np.ndarray]:
+    """Light of the target, of the start and of what was found."""
+    truth, start, _ = _drawn(config, each.number)
+    size = config.height, config.width
+    method = _recovery_scenes.method(config, each.number)
+    images = [_recovery_scenes.target(truth, size, config.detail, method)]
+    for values in (each.start, each.found):
+        scene = _recovery_scenes.with_numbers(start, values)
+        images.append(_recovery_scenes.target(scene, size, 1, FINISH))
+    return [np.asarray(image) for image in jax.block_until_ready(images)]
