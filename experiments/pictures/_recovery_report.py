@@ -68,27 +68,39 @@ def _medians(values: np.ndarray) -> list[float]:
     return [float(np.median(column)) if column.size else float("nan") for column in values.T]
 
 
+SHORT = ("U10", "direction", "λ", "ε", "sun", "exposure")
+
+
 def _seas(recoveries: Sequence) -> Table:
     columns = (
         "sea",
         "drawn by",
-        "coverage [-]",
-        *(f"{name} [{unit}]" for name, unit in zip(FREE, UNITS, strict=True)),
+        "true U10",
+        "coverage",
+        *(f"{name} [{unit}]" for name, unit in zip(SHORT, UNITS, strict=True)),
         "steps",
         "time [s]",
         "recovered",
     )
     rows = []
     for each in recoveries:
-        numbers = [
-            "-" if each.failure else f"{value:.3f} ({true:.3f})"
-            for value, true in zip(each.found, each.truth, strict=True)
-        ]
+        off = ["-" if each.failure else f"{value:+.3f}" for value in each.found - each.truth]
         verdict = "no fit" if each.failure else "yes" if np.all(each.inside) else "no"
-        seconds = "-" if each.failure else f"{each.seconds:.0f}{' and compiling' if each.compiled else ''}"
-        drawn = "rays" if each.rays else "mesh"
-        rows.append((str(each.number), drawn, each.coverage, *numbers, str(each.steps), seconds, verdict))
-    return Table("Seas: found (true)", columns, rows)
+        # The first of a process holds the compilation.
+        seconds = "-" if each.failure or each.compiled else f"{each.seconds:.0f}"
+        about = f"{each.truth[0]:.1f}", f"{each.coverage:.4f}"
+        rows.append(
+            (
+                str(each.number),
+                "rays" if each.rays else "mesh",
+                *about,
+                *off,
+                str(each.steps),
+                seconds,
+                verdict,
+            )
+        )
+    return Table("Seas: found − true", columns, rows)
 
 
 def report(config: schema.PictureRecoveryConfig, recoveries: Sequence, result: Result) -> str:
@@ -100,7 +112,7 @@ def report(config: schema.PictureRecoveryConfig, recoveries: Sequence, result: R
         f"{100 * config.truths.furthest_start:g} % off (directions in radians, exposures twice that in stops).",
         f"**{100 * v['interval_coverage']:.0f} %** of the {100 * config.level:g} % intervals hold the truth. They "
         "count how differently parts of the image pull, and how far the numbers would move if the picture were "
-        "drawn by rays instead of a mesh.",
+        "drawn with a mesh instead of four rays a pixel.",
         f"A fit takes {v['seconds_median']:.0f} s in the median and {v['seconds_most']:.0f} s at most, without "
         "compilation.",
     ]

@@ -18,11 +18,11 @@ from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _recovery_report, _recovery_scenes, _recovery_views
 
-FINISH = Raster(1.0)
-"""Draws the last pictures of a fit: a vertex in each pixel."""
+FINISH = Rays(2)
+"""Draws the last pictures of a fit, and those that are shown: as a camera does, light from all over a pixel."""
 
-DOUBTS = (Rays(),)
-"""May be as right as that."""
+DOUBTS = (Raster(1.0),)
+"""Might be as right as that: a vertex in each pixel."""
 
 SHOWN = 3
 """Seas whose pictures are shown."""

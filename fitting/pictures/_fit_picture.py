@@ -155,7 +155,7 @@ def fit_picture(
         tuple(label for slot in problem.slots for label in slot.labels(())),
         covariance,
         scatter,
-        0.5 * float(jnp.sum(rows**2)),
+        0.5 * float(np.sum(np.square(rows))),
         tuple(steps),
         time.perf_counter() - began,
         problem.put(values, as_given=True),

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -23,6 +24,9 @@ from ._scene_model import SceneModel
 
 MEMORY = 20
 """Steps that L-BFGS remembers."""
+
+FIRST = 0.3
+"""The longest step [standard deviations] of a random number at first."""
 
 PATIENCE = 10
 """Steps that must together lower the cost by more than the tolerance."""
@@ -61,6 +65,7 @@ class _Sought(eqx.Module):
     scene: SceneModel
     views: tuple[View, ...]
     scatter: Scalar
+    scale: Scalar
     method: Raster | Rays | None = eqx.field(static=True)
 
     def model(self, z: Float[Array, "2 pattern y x"]) -> SceneModel:
@@ -119,22 +124,28 @@ def recover_waves(
     began = time.perf_counter()
     method = Raster(shading_rate=(1, 1)) if method is None else method
     dtype = scene.noise.real.dtype
-    sought = _Sought(scene, tuple(views), jnp.asarray(scatter, dtype), method)
+    sought = _Sought(scene, tuple(views), jnp.asarray(scatter, dtype), jnp.ones((), dtype), method)
     z = jnp.stack([scene.noise.real, scene.noise.imag]) * np.sqrt(2).astype(dtype)
     solver = optx.LBFGS(1e-12, 1e-12, history_length=MEMORY)
     value, parts = jax.eval_shape(_cost, z, sought)
-    state = solver.init(_cost, z, sought, {}, value, parts, frozenset())
+    begin = partial(solver.init, _cost, options={}, f_struct=value, aux_struct=parts, tags=frozenset())
+    # Its first step is as long as the slope: once to see that, and then from the start again with a fitting scale.
+    _, state = _step(solver, z, begin(y=z, args=sought), sought)
+    steepest = float(jnp.max(jnp.abs(state.f_info.grad)))
+    if not np.isfinite(steepest):
+        raise FitError(
+            "The picture of the starting waves, or its derivative, is not finite",
+            "a number that no scene has",
+            "start from another scene",
+        )
+    scale = jnp.asarray(FIRST / steepest if steepest > 0 else 1.0, dtype)
+    sought = eqx.tree_at(lambda s: s.scale, sought, scale)
+    state = begin(y=z, args=sought)
     steps, costs, converged = [], [], False
     for number in range(most_steps + 1):
         # What a step evaluates is where the one before it led; if that is no better, it goes back halfway.
         z, state = _step(solver, z, state, sought)
-        costs.append(float(state.f_info.f))
-        if number == 0 and not np.isfinite(costs[0]):
-            raise FitError(
-                "The picture of the starting waves is not finite",
-                "a number that no scene has",
-                "start from another scene",
-            )
+        costs.append(float(state.f_info.f / scale))
         if number % PATIENCE == 0:
             values: dict[str, Any] = dict(
                 zip(("pictures", "waves"), (float(part) for part in state.aux), strict=True)
@@ -153,7 +164,7 @@ def recover_waves(
 
 def _cost(z: Array, sought: _Sought) -> tuple[Scalar, tuple[Scalar, Scalar]]:
     pictures, waves = sought.parts(z)
-    return pictures + waves, (pictures, waves)
+    return sought.scale * (pictures + waves), (pictures, waves)
 
 
 @eqx.filter_jit

@@ -45,7 +45,9 @@ class Atlas(eqx.Module):
         for count in Levels(resolution).counts[1:]:
             levels.append(halved(levels[-1], levels[-1].shape[-1] // int(count)))
         energy = jnp.stack([jnp.mean(jnp.square(jax.lax.stop_gradient(v)), axis=(-2, -1)) for v in levels])
-        heard = jnp.any(energy > SILENT * energy[0], axis=1)
+        # What holds nothing can still be varied: then all of it is heard.
+        empty = jnp.all(energy[0] == 0, axis=0)
+        heard = jnp.any(energy > SILENT * energy[0], axis=1) | empty
         highest = jnp.sum(jnp.cumsum(heard[::-1], axis=0) > 0, axis=0)
         pairs = Pairs.of_levels(levels) if rounded and channels.dtype == jnp.float32 else None
         return cls(sizes, resolution, tuple(levels), bordered(levels), highest.astype(channels.dtype), pairs)

@@ -59,6 +59,19 @@ def test_what_is_rounded_has_the_derivative_of_what_is_not(atlases, places):
     np.testing.assert_allclose(rounded, exact, rtol=1e-5, atol=1e-6 * steepest)
 
 
+def test_a_calm_sea_has_the_derivative_of_its_first_waves(atlases, places):
+    waves = jnp.stack([atlases[0].levels[0][:, i] for i in range(len(SIZES))], axis=1)
+
+    def look(size):
+        return jnp.stack(Atlas.from_channels(size * waves, SIZES)(CENTRE, *places))
+
+    found, change = jax.jit(lambda s: jax.jvp(look, (s,), (jnp.ones_like(s),)))(jnp.float32(0))
+    np.testing.assert_array_equal(found, 0)
+    expected = np.asarray(look(jnp.float32(1)))
+    # Levels that hold hardly any of a pattern are left out only where there are waves.
+    assert np.max(np.abs(change - expected)) < 0.02 * np.max(np.abs(expected))
+
+
 def test_textures_in_double_precision_are_never_rounded():
     noise = jnp.asarray(np.random.default_rng(5).normal(size=(1, 2, 8, 8)))
     assert Atlas.from_channels(noise, SIZES, rounded=True).pairs is None
