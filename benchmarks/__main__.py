@@ -8,6 +8,7 @@ BENCHMARKS = {
     "coverage": "foam in pictures against a hard indicator at 256 points of each pixel, from 20 m to 4.6 km",
     "ocean_step": "one frame of the sea against numpy, scipy, pyFFTW and XLA's bare transforms",
     "render": "a picture with new waves in each frame, from 2 m to 5 km, against Mitsuba",
+    "silhouettes": "the share of moving silhouettes in the gradient of an image loss, against differences",
     "sweep": "a sweep of closed-form coverage against the bare vmapped closed form",
 }
 """Name of a module of this package, which has `run(*, quick)`, and what it measures."""

@@ -69,6 +69,12 @@ EXPERIMENTS = (
         "experiments.pictures.picture_recovery",
     ),
     Experiment(
+        "wave_recovery",
+        "the waves of a small patch from pictures of it, every random number free, with maps of the error",
+        schema.WaveRecoveryConfig,
+        "experiments.pictures.wave_recovery",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

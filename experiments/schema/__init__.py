@@ -77,3 +77,4 @@ from ._uncertainty import CalibratedSeaConfig as CalibratedSeaConfig
 from ._uncertainty import EnsembleWindsConfig as EnsembleWindsConfig
 from ._uncertainty import LawEnsembleConfig as LawEnsembleConfig
 from ._uncertainty import UncertaintyConfig as UncertaintyConfig
+from ._wave_recovery import WaveRecoveryConfig as WaveRecoveryConfig

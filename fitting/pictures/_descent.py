@@ -13,6 +13,9 @@ from jaxtyping import Array, Float, PyTree
 from .._errors import FitError
 from ._problem import PictureProblem, look, rows_of
 
+PATIENCE = 3
+"""Steps that must together lower the cost by more than the tolerance."""
+
 FINISHES = 3
 """Steps with a more exact method, of which each draws one picture."""
 
@@ -80,15 +83,19 @@ def descend(
         )
     struct = jax.eval_shape(lambda: known[0])
     state = solver.init(lambda y, known: (_known(y, *known), None), y, known, {}, struct, None, frozenset())
-    best = jnp.inf
+    best, costs = (y, known), []
     for _ in range(most_steps + 1):
         cost = 0.5 * float(jnp.sum(known[0] ** 2))
-        if cost < best:
-            best = cost
+        if not costs or cost < costs[-1]:
+            best = state.y_eval, known
+            costs.append(cost)
             values = problem.named(np.asarray(problem.constrain(state.y_eval)))
             steps.append(PictureStep(len(steps), 2**finest, cost, values))
             if report is not None:
                 report(steps[-1])
+            # The derivative of a picture is rough: near the end many steps gain hardly anything.
+            if len(costs) > PATIENCE and costs[-1 - PATIENCE] - cost < tolerance * cost:
+                return best
         y, state = _solver_step(solver, y, state, jax.tree.map(lambda each: scale * each, known))
         if bool(state.terminate):
             # It ends with a step that is taken: what is known is known there.
@@ -101,7 +108,7 @@ def descend(
             jnp.where(finite, known[1], 0.0),
         )
     if finest:
-        return y, known
+        return best
     raise FitError(
         f"The fit did not come to rest in {most_steps} steps",
         "a picture that these numbers cannot explain, or numbers that it does not tell apart",

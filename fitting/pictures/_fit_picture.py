@@ -7,7 +7,6 @@ from typing import Any
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -100,7 +99,8 @@ def fit_picture(
       in the numbers.
     - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
       first order, counts as one standard error of its own.
-    - `tolerance`: relative change of numbers and residuals below which it is done.
+    - `tolerance`: it is done when numbers and residuals change by less than this share, or when three steps together
+      lower the cost by less.
     - `most_steps`: for coarse squares, and again for all, after which it gives up.
     - `report`: called with the start and with each step that lowers the cost.
 

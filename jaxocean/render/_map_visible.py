@@ -1,6 +1,7 @@
 """All that a camera sees of a sea, pixel by pixel, in bands of rows."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
 import equinox as eqx
@@ -37,7 +38,8 @@ class Raster(eqx.Module):
     inverse proportion to its square; `filtered`: whether slopes and strain are taken over each pixel's footprint, or
     (to see what that is good for) at its centre alone; `shading_rate`: rows and columns of pixels that share one shaded
     point, (1, 1) by default. The water's light, whitecaps included, is then that of the whole group, and linear in
-    between; silhouettes and the sky remain those of every pixel.
+    between; silhouettes and the sky remain those of every pixel. `moving_silhouettes`: whether derivatives hold what
+    changes because crests and the horizon move across pixels; pictures are the same without.
 
     **Raises:** `ValueError` for a spacing outside 0.5 to 64 pixels, or a rate outside 1 to 4.
     """
@@ -45,6 +47,7 @@ class Raster(eqx.Module):
     spacing: float = eqx.field(static=True, default=4.0)
     filtered: bool = eqx.field(static=True, default=True)
     shading_rate: tuple[int, int] = eqx.field(static=True, default=(1, 1))
+    moving_silhouettes: bool = eqx.field(static=True, default=True)
 
     def __check_init__(self) -> None:
         if not 0.5 <= self.spacing <= 64:
@@ -130,7 +133,7 @@ def map_visible(
     **Raises:** `ValueError` for a size that makes no sense.
     """
     if isinstance(method, Raster):
-        method = Raster(method.spacing, method.filtered)
+        method = replace(method, shading_rate=(1, 1))
     return map_image(shade, None, fields, cascade, camera, size, method=method, curvature=curvature)
 
 
@@ -187,15 +190,16 @@ def map_image(
         bands = band_count(images[0].shape)
         return jax.tree.map(join, jax.lax.map(one, tuple(cut(each, bands) for each in images)))
 
+    screen = mesh.screen if method.moving_silhouettes else jax.lax.stop_gradient(mesh.screen)
     if rate == (1, 1):
         image, _, ahead = by_bands(shaded, triangle, rows)
-        return image, find_silhouettes(mesh.screen, ahead)
+        return image, find_silhouettes(screen, ahead)
     coarse, hit, _ = by_bands(shaded, seen_by_groups(triangle, rate), rows[:: rate[0]])
     outside, ahead = by_bands(plain, triangle, rows)
     image = jax.tree.map(lambda values: interpolate(values, hit, size, rate), coarse)
     if beyond is not None:
         image = _choose(triangle != EMPTY, image, outside)
-    return jax.tree.map(once, image), find_silhouettes(mesh.screen, ahead)
+    return jax.tree.map(once, image), find_silhouettes(screen, ahead)
 
 
 def _visible(

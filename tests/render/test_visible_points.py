@@ -12,6 +12,7 @@ from _views import CAMERAS, TIME, calm_fields, place_on_plane, windy
 from jaxocean.filtering import Footprint, MomentPyramid
 from jaxocean.render import EARTH_CURVATURE, Camera, Raster, SurfaceMoments, map_visible, visible_points
 from jaxocean.render._bounds import Bounds
+from jaxocean.render._map_visible import map_image
 from jaxocean.render._mesh import displaced_mesh, displacement_atlas
 from jaxocean.render._projected_grid import rest_grid
 from jaxocean.surface import Cascade
@@ -194,6 +195,29 @@ def test_crest_edges_carry_the_derivative_of_the_area_that_water_covers(differen
     for along, step in ((HEIGHT, 0.02), (PITCH, 1e-3)):
         expected = finite_difference(lambda y: differentiate(y, storm, HEIGHT)[0][1], x, along, step)
         np.testing.assert_allclose(differentiate(x, storm, along)[1][1], expected, rtol=0.05)
+
+
+def test_silhouettes_that_are_held_change_no_picture_and_carry_no_derivative(storm):
+    fields = storm.fields(TIME, 1.2)
+
+    def share(pitch, moving):
+        camera = Camera((0.0, 0.0, 9.0), pitch=pitch, field_of_view=0.5)
+        water, edges = map_image(
+            lambda visible: jnp.ones_like(visible.depth),
+            lambda pixels: jnp.zeros(pixels.hit.shape),
+            fields,
+            CASCADE,
+            camera,
+            (24, 32),
+            method=Raster(moving_silhouettes=moving),
+        )
+        return jnp.mean(edges.blend(water))
+
+    value, change = jax.jit(jax.value_and_grad(lambda p: share(p, True)))(0.05)
+    same, none = jax.jit(jax.value_and_grad(lambda p: share(p, False)))(0.05)
+    assert abs(change) > 1e-4
+    np.testing.assert_allclose(same, value, rtol=1e-12)
+    assert none == 0
 
 
 def test_what_a_wider_filter_takes_from_the_means_it_gives_to_the_covariances(sea):
