@@ -12,7 +12,7 @@ from jaxocean.render import Raster, Rays
 
 from .. import schema
 from ..harness import _records
-from ..harness._errors import UserError
+from ..harness._errors import Interrupted, UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -67,12 +67,18 @@ def run(config: schema.PictureRecoveryConfig, progress: Reporter, store: Files) 
         "Seas looked for in their pictures; the first two compile, for minutes", config.truths.count
     )
     compiled = True
-    for number in range(config.truths.count):
-        if number not in done:
-            done[number] = _recover(config, number, compiled)
-            _records.append(kept, done[number])
-            compiled = False
-        advance()
+    try:
+        for number in range(config.truths.count):
+            if number not in done:
+                done[number] = _recover(config, number, compiled)
+                _records.append(kept, done[number])
+                compiled = False
+            advance()
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"Interrupted: {len(done)} of {config.truths.count} seas are kept, and the same command goes on with the "
+            "others."
+        ) from None
     recoveries = [_read(done[number]) for number in range(config.truths.count)]
     progress.step("Drawing")
     _recovery_views.plot(store, config, recoveries)

@@ -15,6 +15,7 @@ from jaxocean.render import Camera, Raster, Rays
 from .. import schema
 from ..common import _build
 from ..harness import _records
+from ..harness._errors import Interrupted
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -50,7 +51,13 @@ def run(config: schema.WaveRecoveryConfig, progress: Reporter, store: Files) -> 
             advance = progress.count(
                 f"Steps with {count} of the views; the first compiles", config.steps // 10 + 1
             )
-            records = [_recover(config, truth, views[:count], advance)]
+            try:
+                records = [_recover(config, truth, views[:count], advance)]
+            except KeyboardInterrupt:
+                raise Interrupted(
+                    f"Interrupted: {len(found)} of {len(config.views)} searches are kept, and the same command goes on "
+                    "with the others."
+                ) from None
             _records.append(kept, records[0])
         found.append(_read(records[-1]))
     progress.step("Drawing")

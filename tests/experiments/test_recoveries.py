@@ -1,0 +1,134 @@
+"""`picture_recovery` around a fit that is made up, and `wave_recovery` on a patch of few waves."""
+
+import dataclasses
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+
+from experiments.harness._errors import Interrupted, UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
+from experiments.harness._progress import Silent
+from experiments.pictures import _recovery_scenes, picture_recovery
+from fitting import FitError
+from fitting.pictures import PictureFit
+
+SMALL = ["truths.count=6", "height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
+ERRORS = np.array([0.1, 0.01, 0.01, 0.005, 0.01, 0.02])
+
+
+class Watching(Silent):
+    """Stops after some seas."""
+
+    def __init__(self, stop_after: int | None = None) -> None:
+        self.seas, self.stop_after = 0, stop_after
+
+    def count(self, what, total):
+        def advance():
+            self.seas += 1
+            if self.seas == self.stop_after:
+                raise KeyboardInterrupt
+
+        return advance
+
+
+@pytest.fixture
+def made_up(monkeypatch):
+    """Fits that are off by a tenth, one and two standard errors in turn; every fifth leads nowhere."""
+    fits = []
+
+    def target(scene, size, detail, method):
+        return jnp.full((*size, 3), 0.1 + 0.01 * scene.wind.speed)
+
+    def fit(start, free, target, **_):
+        number = len(fits)
+        fits.append(number)
+        if number % 5 == 4:
+            raise FitError("The fit did not come to rest", "a joke", "another")
+        values = {str(i): float(each) for i, each in enumerate(free(start))}
+        covariance = np.diag(ERRORS**2)
+        errors = dict(zip(values, ERRORS, strict=True))
+        return PictureFit(values, errors, tuple(values), covariance, 1.0, 0.5, (), 2.0, start)
+
+    def draw(config, number):
+        truth, _, coverage = whole(config, number)
+        numbers = np.array([float(each) for each in _recovery_scenes.free(truth)])
+        off = (0.1, 1.0, 2.0)[number % 3]
+        return truth, _recovery_scenes.with_numbers(truth, numbers + off * ERRORS), coverage
+
+    whole = _recovery_scenes.draw
+    monkeypatch.setattr(picture_recovery, "fit_picture", fit)
+    monkeypatch.setattr(_recovery_scenes, "target", target)
+    monkeypatch.setattr(_recovery_scenes, "draw", draw)
+    return fits
+
+
+def test_seas_are_counted_as_they_are_found_and_an_interrupted_search_goes_on(tmp_path, made_up):
+    loaded = load("picture_recovery", SMALL, output=str(tmp_path))
+    with pytest.raises(Interrupted):
+        execute(loaded, Watching(stop_after=2))
+    finished = execute(loaded)
+    assert made_up == list(range(6))
+    values = json.loads((finished.folder / "result.json").read_text())
+    assert (values["seas"], values["failed"]) == (6, 1)
+    # Off by 0.1, 1, 2, 0.1 and 2 errors: sea 4 led nowhere; 1.645 errors hold three of five.
+    assert values["interval_coverage"] == pytest.approx(0.6)
+    assert values["recovered"] == 5
+    report = (finished.folder / "report.md").read_text()
+    assert "**5 of 6 seas**" in report
+    assert "Sea 4: The fit did not come to rest" in report
+    with xr.open_dataset(finished.folder / "recovered.nc") as data:
+        off = np.abs(data["wind_speed_found"] - data["wind_speed_truth"])
+        np.testing.assert_allclose(off, [0.01, 0.1, 0.2, 0.01, np.nan, 0.2], atol=1e-5)
+    assert {"recovered.png", "pictures.png"} <= set(finished.files())
+
+
+def test_limits_that_no_sea_meets_are_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(_recovery_scenes, "DRAWS", 2)
+    limits = ["truths.least_coverage=0.98", "truths.most_coverage=0.99"]
+    with pytest.raises(UserError, match=r"truths\.least_coverage"):
+        execute(load("picture_recovery", [*SMALL, *limits], output=str(tmp_path)))
+
+
+def test_starts_are_as_far_off_as_is_asked():
+    config = load("picture_recovery", SMALL).config
+    for number in range(4):
+        truth, start, coverage = _recovery_scenes.draw(config, number)
+        true, begun = (np.array([float(e) for e in _recovery_scenes.free(s)]) for s in (truth, start))
+        assert 0.004 < coverage < 0.06
+        off = np.abs(begun - true)
+        share = off / np.array([true[0], 1.0, true[2], true[3], true[4], 2.0])
+        # ε is kept below 0.95, where nearly all would be foam.
+        share[3] = np.clip(share[3], 0.3, 0.4) if np.isclose(begun[3], 0.95) else share[3]
+        assert np.all((share > 0.3 - 1e-5) & (share < 0.4 + 1e-5))
+
+
+def test_recoveries_are_told_apart_by_their_bounds():
+    each = picture_recovery.Recovery(
+        0, True, 0.01, np.ones(6), np.ones(6), np.ones(6), np.full(6, 0.01), 3, 1.0, False, ""
+    )
+    assert np.all(each.inside)
+    off = dataclasses.replace(each, found=np.array([1.06, 1.06, 1.06, 1.04, 9.0, 1.11]))
+    np.testing.assert_array_equal(off.inside, [False, False, False, False, True, False])
+    np.testing.assert_array_equal(off.holds(0.9), np.zeros(6, bool))
+
+
+@pytest.mark.slow
+def test_the_waves_of_a_patch_are_found_in_one_picture(tmp_path):
+    values = [
+        "resolution=16",
+        "side=12.0",
+        "views=[1]",
+        "steps=60",
+        "height=24",
+        "width=32",
+        "wind.speed=6.0",
+    ]
+    finished = execute(load("wave_recovery", values, output=str(tmp_path)))
+    with xr.open_dataset(finished.folder / "waves.nc") as data:
+        assert np.corrcoef(data["found"].values.ravel(), data["height"].values.ravel())[0, 1] > 0.95
+    assert "correlation" in (finished.folder / "report.md").read_text()
+    assert {"waves.png", "pictures.png"} <= set(finished.files())
