@@ -75,6 +75,12 @@ EXPERIMENTS = (
         "experiments.pictures.wave_recovery",
     ),
     Experiment(
+        "joint_targets",
+        "what a whitecap law, slopes and a picture say of ε and λ: errors, correlation, profile",
+        schema.JointTargetsConfig,
+        "experiments.pictures.joint_targets",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

@@ -28,6 +28,7 @@ from ._footprints import FootprintBiasConfig as FootprintBiasConfig
 from ._footprints import FootprintWindsConfig as FootprintWindsConfig
 from ._footprints import TileConfig as TileConfig
 from ._gaussian import GaussianVsMonteCarloConfig as GaussianVsMonteCarloConfig
+from ._joint_targets import JointTargetsConfig as JointTargetsConfig
 from ._measured import ElfouhailyTailConfig as ElfouhailyTailConfig
 from ._measured import MeasuredSeaConfig as MeasuredSeaConfig
 from ._measured import NoTailConfig as NoTailConfig

@@ -1,0 +1,84 @@
+"""What `joint_targets` says."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+import fitting
+
+from .. import schema
+from ..common._markdown import page
+from ..harness._result import Result, Table
+
+LEVEL = 0.9
+
+
+def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, scatter: float) -> Result:
+    """Errors, correlations and intervals of each objective."""
+    del config
+    every = [*objectives, picture]
+    deviations = [np.sqrt(np.diag(each.covariance)) for each in every]
+    intervals = [_interval(each) for each in every]
+    rows = [
+        (
+            each.name,
+            float(each.values[0]),
+            float(own[0]),
+            float(each.values[1]),
+            float(own[1]),
+            f"{each.correlation:+.3f}",
+            words,
+        )
+        for each, own, words in zip(every, deviations, intervals, strict=True)
+    ]
+    columns = ("objective", "ε", "± ε", "λ", "± λ", "correlation", f"{100 * LEVEL:g} % profile interval of λ")
+    values = {
+        "objectives": [each.name for each in every],
+        "values": [each.values for each in every],
+        "errors": deviations,
+        "correlations": [each.correlation for each in every],
+        "picture_scatter": scatter,
+    }
+    return Result(values=values, tables=(Table("ε and λ", columns, rows),))
+
+
+def _interval(each) -> str:
+    if not each.grid.size:
+        return "-"
+    inside = each.grid[each.excess <= fitting.profile_limit(LEVEL)]
+    root, limit = np.sqrt(np.maximum(each.excess, 0)), np.sqrt(fitting.profile_limit(LEVEL))
+    ends = []
+    for side in (slice(None, None, -1), slice(None)):
+        grid, height = each.grid[side], root[side]
+        start = int(np.argmin(height))
+        grid, height = grid[start:], height[start:]
+        beyond = np.flatnonzero(height > limit)
+        if not beyond.size or not inside.size:
+            ends.append("open")
+            continue
+        last = int(beyond[0])
+        ends.append(f"{float(np.interp(limit, height[last - 1 : last + 1], grid[last - 1 : last + 1])):.3f}")
+    return f"{ends[0]} to {ends[1]}"
+
+
+def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, result: Result) -> str:
+    """One page."""
+    law, slopes, joint = objectives
+    errors = dict(zip(result.values["objectives"], result.values["errors"], strict=True))
+    words = [
+        f"A coverage law alone hardly tells ε from λ: their errors have a correlation of {law.correlation:+.2f}, and "
+        f"λ is known to ± {errors[law.name][1]:.2g} (a prior of ± {config.prior_deviation:g} holds it). With slopes, "
+        f"which tell the spectrum, it is {slopes.correlation:+.2f} and ± {errors[slopes.name][1]:.2g}; with one "
+        f"picture as well **{joint.correlation:+.2f} and ± {errors[joint.name][1]:.2g}**.",
+        f"The picture alone has {picture.correlation:+.2f} and ± {errors[picture.name][1]:.2g}. It weighs what parts "
+        "of the image say when each errs by itself; what mesh and rays differ in is in its residuals, but a bias that "
+        "is the same everywhere is not in its errors.",
+    ]
+    setting = (
+        f"truth U10 = {config.wind.speed:g} m/s, ε = {config.threshold:g}, λ = {config.choppiness:g}, "
+        f"Ω = {config.inverse_wave_age:g}; free are ε, λ and Ω; law and slopes are those of the truth at "
+        f"{len(config.winds.speed)} winds, with scatters of {config.law_scatter:g} in log10 and "
+        f"{100 * config.slope_scatter:g} %; the picture is drawn by rays with {config.detail}² times as many pixels; "
+        f"its waves' random numbers, its camera and its light are known; seed {config.seed}"
+    )
+    return page("ε and λ from several targets", words, result.tables, picture="joint", setting=setting)

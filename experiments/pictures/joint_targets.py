@@ -1,0 +1,171 @@
+"""`joint_targets`: how a coverage law, slopes and a picture together tell ε from λ."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import fitting
+import jaxocean as jo
+from fitting.pictures import PictureFit, PictureTarget, SceneModel, fit_picture
+from jaxocean.render import Rays
+
+from .. import schema
+from ..common import _build
+from ..harness._files import Files
+from ..harness._progress import Reporter
+from ..harness._result import Result
+from . import _joint_report, _joint_views, _scene
+from ._recovery_scenes import target
+
+HELD = 1e-5
+"""Deviation of a prior that holds λ where it is: the same program as with one that does not."""
+
+REACH = 4.0
+"""How far profiles go to either side [standard errors]."""
+
+WIDEST = (0.2, 2.5)
+"""Between which λ the profiles without a picture go."""
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What some targets say of (ε, λ).
+
+    **Arguments:** `name`; `values`, `covariance` of both; `grid` of λ, and `excess` there: twice the cost above its
+    least.
+    """
+
+    name: str
+    values: np.ndarray
+    covariance: np.ndarray
+    grid: np.ndarray
+    excess: np.ndarray
+
+    @property
+    def correlation(self) -> float:
+        """Of the errors of ε and λ."""
+        return float(self.covariance[0, 1] / np.sqrt(self.covariance[0, 0] * self.covariance[1, 1]))
+
+
+def run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> Result:
+    """Fit all objectives; see `schema.JointTargetsConfig`."""
+    progress.step("Drawing the target")
+    truth = _truth(config)
+    image = target(truth, (config.height, config.width), config.detail, Rays())
+    law, slopes = _targets(config, truth)
+    advance = progress.count("Fits; the first with a picture compiles, for minutes", 4 + config.points)
+    objectives = []
+    for name, targets in (("coverage law", [law]), ("law and slopes", [law, slopes])):
+        objectives.append(_without_picture(config, truth, name, targets))
+        advance()
+    alone = _fit(truth, PictureTarget(image), None, _prior(config))
+    advance()
+    weighed = PictureTarget(image, scatter=alone.scatter)
+    objectives.append(_with_picture(config, truth, weighed, law + slopes, advance))
+    progress.step("Drawing the figure")
+    picture = _objective("picture", alone, np.empty(0), np.empty(0))
+    _joint_views.plot(store, config, objectives, picture)
+    _joint_views.save(store, objectives, picture)
+    result = _joint_report.result(config, objectives, picture, alone.scatter)
+    store.text("report.md", _joint_report.report(config, objectives, picture, result))
+    return result
+
+
+def _truth(config: schema.JointTargetsConfig) -> SceneModel:
+    cascade = _build.cascade(config.cascade)
+    return SceneModel(
+        _build.wind(config.wind),
+        _scene.camera(config.camera),
+        cascade=cascade,
+        noise=jo.surface.draw_noise(cascade, key=jax.random.key(config.seed)),
+        choppiness=config.choppiness,
+        threshold=config.threshold,
+        breaking_wavenumber=config.breaking_wavenumber,
+        spectrum=fitting.ElfouhailySea(config.inverse_wave_age),
+        sky=jo.optics.sky.HosekWilkie(2.5, sun_elevation=0.7, sun_azimuth=2.0),
+    )
+
+
+def _targets(
+    config: schema.JointTargetsConfig, truth: SceneModel
+) -> tuple[fitting.CoveragePoints, fitting.SlopeVariance]:
+    """What a law and slopes say that the truth obeys."""
+    with jax.enable_x64(True):
+        speeds = np.asarray(config.winds.speed)
+        sea = _double(truth).statistics()
+        coverage = eqx.filter_vmap(lambda u: sea.coverage(jo.Wind(u)))(jnp.asarray(speeds))
+        law = fitting.CoveragePoints(speeds, np.asarray(coverage), config.law_scatter, "coverage law")
+        return law, fitting.SlopeVariance(
+            speeds, sea.slope_variance, scatter=config.slope_scatter, label="slopes"
+        )
+
+
+def _double(model):
+    return jax.tree.map(
+        lambda leaf: leaf.astype(jnp.float64) if jnp.issubdtype(leaf.dtype, jnp.floating) else leaf, model
+    )
+
+
+def _free(model):
+    return model.threshold, model.choppiness, model.spectrum.inverse_wave_age
+
+
+def _prior(config: schema.JointTargetsConfig, mean: float | None = None) -> fitting.Normal:
+    """The wide one, or one that holds λ."""
+    wide = config.choppiness, config.prior_deviation
+    return fitting.Normal(*(wide if mean is None else (mean, HELD)), where=lambda m: m.choppiness)
+
+
+def _without_picture(
+    config: schema.JointTargetsConfig, truth: SceneModel, name: str, targets: Sequence
+) -> Objective:
+    with jax.enable_x64(True):
+        model, priors = _double(truth).statistics(), [_prior(config)]
+        found = fitting.fit(model, _free, targets, priors=priors)
+        spread = float(np.sqrt(found.covariance[1, 1]))
+        middle = float(found.model.choppiness)
+        low, high = (float(np.clip(middle + side * REACH * spread, *WIDEST)) for side in (-1, 1))
+        profile = fitting.profile(
+            model, _free, targets, parameter="choppiness", grid=np.linspace(low, high, 24), priors=priors
+        )
+        values = np.asarray([float(found.model.threshold), middle])
+    return Objective(name, values, found.covariance[:2, :2], profile.grid, profile.excess)
+
+
+def _fit(
+    start: SceneModel, image: PictureTarget, beside: fitting.TargetSum | None, prior: fitting.Normal
+) -> PictureFit:
+    return fit_picture(start, _free, image, beside=beside, priors=[prior])
+
+
+def _with_picture(
+    config: schema.JointTargetsConfig,
+    truth: SceneModel,
+    image: PictureTarget,
+    beside: fitting.TargetSum,
+    advance: Callable[[], None],
+) -> Objective:
+    """All three at once, and again with λ held at values around what was found."""
+    best = _fit(truth, image, beside, _prior(config))
+    advance()
+    spread = best.errors["choppiness"]
+    grid = best.values["choppiness"] + REACH * spread * np.linspace(-1, 1, config.points)
+    costs = []
+    for value in grid:
+        start = eqx.tree_at(lambda m: m.choppiness, best.model, jnp.asarray(value, jnp.float32))
+        held = _fit(start, image, beside, _prior(config, float(value)))
+        # What the wide prior would say there.
+        off = (value - config.choppiness) / config.prior_deviation
+        costs.append(2 * held.cost + off**2)
+        advance()
+    least = min(2 * best.cost, *costs)
+    return replace(_objective("law, slopes and picture", best, grid, np.asarray(costs) - least))
+
+
+def _objective(name: str, found: PictureFit, grid: np.ndarray, excess: np.ndarray) -> Objective:
+    values = np.asarray([found.values["threshold"], found.values["choppiness"]])
+    return Objective(name, values, found.covariance[:2, :2], grid, excess)
