@@ -18,11 +18,15 @@ from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _recovery_report, _recovery_scenes, _recovery_views
 
-FINISH = Rays(2)
-"""Draws the last pictures of a fit, and those that are shown: as a camera does, light from all over a pixel."""
+FINISHES = Raster(1.0), Rays()
+"""Draw the last pictures of a fit, of which the better ones count. Neither is what draws a target: those are averages
+of more pixels."""
 
-DOUBTS = (Raster(1.0),)
-"""Might be as right as that: a vertex in each pixel."""
+DOUBTS = (Rays(2),)
+"""Might be as right: light from all over a pixel instead of one filtered look at it."""
+
+SCOUTS = 90
+"""Scenes that are looked at before a fit begins."""
 
 SHOWN = 3
 """Seas whose pictures are shown."""
@@ -107,7 +111,15 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
     image = _recovery_scenes.target(truth, (config.height, config.width), config.detail, method)
     found, failure = None, ""
     try:
-        found = fit_picture(start, _recovery_scenes.free, PictureTarget(image), finish=FINISH, doubts=DOUBTS)
+        found = fit_picture(
+            start,
+            _recovery_scenes.free,
+            PictureTarget(image),
+            finish=FINISHES,
+            doubts=DOUBTS,
+            scouts=SCOUTS,
+            most_steps=60,
+        )
     except FitError as problem:
         failure = str(problem)
     values, errors = _numbers(found)
@@ -150,5 +162,5 @@ def _pictures(config: schema.PictureRecoveryConfig, each: Recovery) -> list[np.n
     images = [_recovery_scenes.target(truth, size, config.detail, method)]
     for values in (each.start, each.found):
         scene = _recovery_scenes.with_numbers(start, values)
-        images.append(_recovery_scenes.target(scene, size, 1, FINISH))
+        images.append(_recovery_scenes.target(scene, size, 1, FINISHES[0]))
     return [np.asarray(image) for image in jax.block_until_ready(images)]

@@ -7,6 +7,7 @@ from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -21,6 +22,7 @@ from ._descent import PictureStep, descend, finish_with, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
+from ._scout import scout
 
 COARSE, COARSE_TOLERANCE = 3, 0.03
 """Levels that are left out at first, and how closely that is solved: crests that lie elsewhere than in the target show
@@ -70,8 +72,9 @@ def fit_picture(
     beside: AbstractTarget | TargetSum | None = None,
     priors: Sequence[AbstractPrior] = (),
     method: Raster | Rays | None = None,
-    finish: Raster | Rays | None = None,
+    finish: Raster | Rays | Sequence[Raster | Rays] = (),
     doubts: Sequence[Raster | Rays] = (),
+    scouts: int = 0,
     tolerance: float = 2e-3,
     most_steps: int = 40,
     report: Callable[[PictureStep], None] | None = None,
@@ -96,9 +99,12 @@ def fit_picture(
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
     - `finish`: a more exact method for the end: up to three Gauss–Newton steps with its residuals and the other
       method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
-      in the numbers.
+      in the numbers. Of several the one counts that explains the picture best.
     - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
       first order, counts as one standard error of its own.
+    - `scouts`: how many scenes around the start are looked at before the first step, without derivatives: for a start
+      that may lie in another valley than the target. The best of them is gone down from as well as the start, on
+      coarse squares.
     - `tolerance`: it is done when numbers and residuals change by less than this share, or when three steps together
       lower the cost by less.
     - `most_steps`: for coarse squares, and again for all, after which it gives up.
@@ -120,6 +126,9 @@ def fit_picture(
     if most_steps < 1:
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
     method = Raster(shading_rate=(2, 2)) if method is None else method
+    if scouts < 0:
+        raise ValueError(f"Argument `scouts` must be at least 0, but is {scouts}.")
+    finishes = [finish] if isinstance(finish, Raster | Rays) else list(finish)
     others = () if beside is None else flatten_targets(beside)
     for other in others:
         if not isinstance(other.scatter, KnownScatter):
@@ -138,10 +147,11 @@ def fit_picture(
         coarse = min(COARSE, target.levels - 1)
         if coarse:
             stage = problem.against(target.without(coarse))
-            free_values, _ = descend(stage, free_values, COARSE_TOLERANCE, most_steps, coarse, steps, report)
+            free_values = _coarsely(stage, free_values, scouts, most_steps, coarse, steps, report)
         free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
-        if finish is not None:
-            free_values, rows = finish_with(problem.by(finish), free_values, jacobian)
+        ends = [finish_with(problem.by(other), free_values, jacobian) for other in finishes]
+        if ends:
+            free_values, rows = min(ends, key=lambda end: float(jnp.sum(end[1] ** 2)))
         values = np.asarray(problem.constrain(free_values))
         stretch = problem.stretch(free_values)
         covariance, scatter = _covariance(problem, rows, jacobian / stretch)
@@ -160,6 +170,26 @@ def fit_picture(
         time.perf_counter() - began,
         problem.put(values, as_given=True),
     )
+
+
+def _coarsely(
+    stage: PictureProblem,
+    start: Array,
+    scouts: int,
+    most_steps: int,
+    finest: int,
+    steps: list[PictureStep],
+    report: Callable | None,
+) -> Array:
+    """The better end on coarse squares of the ways down from the start and from the best of some scouts."""
+    ends = []
+    for begin in [start, scout(stage, start, scouts)] if scouts else [start]:
+        way: list[PictureStep] = []
+        free, (rows, _) = descend(stage, begin, COARSE_TOLERANCE, most_steps, finest, way, report)
+        ends.append((float(jnp.sum(rows**2)), free, way))
+    _, free, way = min(ends, key=lambda end: end[0])
+    steps.extend(way)
+    return free
 
 
 def _covariance(problem: PictureProblem, rows: Array, jacobian: Array) -> tuple[np.ndarray, float]:

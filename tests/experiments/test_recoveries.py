@@ -1,4 +1,4 @@
-"""`picture_recovery` around a fit that is made up, and `wave_recovery` on a patch of few waves."""
+"""`picture_recovery` and `joint_targets` around fits that are made up, and `wave_recovery` on a patch of few waves."""
 
 import dataclasses
 import json
@@ -12,7 +12,7 @@ from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
 from experiments.harness._progress import Silent
-from experiments.pictures import _recovery_scenes, picture_recovery
+from experiments.pictures import _recovery_scenes, joint_targets, picture_recovery
 from fitting import FitError
 from fitting.pictures import PictureFit
 
@@ -114,6 +114,38 @@ def test_recoveries_are_told_apart_by_their_bounds():
     off = dataclasses.replace(each, found=np.array([1.06, 1.06, 1.06, 1.04, 9.0, 1.11]))
     np.testing.assert_array_equal(off.inside, [False, False, False, False, True, False])
     np.testing.assert_array_equal(off.holds(0.9), np.zeros(6, bool))
+
+
+def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tmp_path, monkeypatch):
+    seen = []
+
+    def fit(start, free, target, *, beside=None, priors):
+        threshold, choppiness, age = (float(each) for each in free(start))
+        held = priors[0].deviation < 1e-3
+        seen.append((held, beside is not None, float(target.scatter)))
+        # Uncorrelated, and twice as wide as the picture alone would be.
+        covariance = np.diag(np.array([0.004, 0.01, 0.02]) ** 2)
+        values = {"threshold": threshold, "choppiness": choppiness, "inverse_wave_age": age}
+        errors = dict(zip(values, np.sqrt(np.diag(covariance)), strict=True))
+        cost = 7.0 + 0.5 * ((choppiness - 1.0) / 0.01) ** 2
+        return PictureFit(values, errors, tuple(values), covariance, 3.0, cost, (), 1.0, start)
+
+    monkeypatch.setattr(joint_targets, "fit_picture", fit)
+    monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
+    values = ["height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
+    finished = execute(load("joint_targets", [*values, "breaking_wavenumber=4.0"], output=str(tmp_path)))
+    # The picture alone sets the weight; then all three, free and with λ held.
+    assert seen == [(False, False, 1.0), (False, True, 3.0), *[(True, True, 3.0)] * 7]
+    found = json.loads((finished.folder / "result.json").read_text())
+    law, _, joint, picture = found["correlations"]
+    assert abs(law) > 0.5
+    assert joint == picture == 0.0
+    assert found["errors"][2][1] < found["errors"][1][1] <= 1.01 * found["errors"][0][1]
+    with xr.open_dataset(finished.folder / "joint.nc") as data:
+        # 90 % of a Gaussian of width 0.01.
+        grid, excess = data["choppiness_2"].values, data["excess_2"].values
+        np.testing.assert_allclose(excess, ((grid - 1) / 0.01) ** 2, rtol=1e-2, atol=1e-2)
+    assert "0.984 to 1.016" in (finished.folder / "report.md").read_text()
 
 
 @pytest.mark.slow

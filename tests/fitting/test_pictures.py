@@ -122,6 +122,28 @@ def test_what_another_method_would_change_counts_as_an_error():
     assert found.errors["contrast"] > 3 * sure.errors["contrast"]
 
 
+def test_scouts_begin_nearer_to_the_target(target):
+    start = Stripes(3.2, 0.3, 1.4, 0.3)
+    alone = fit_picture(start, free, target)
+    found, again = (fit_picture(start, free, target, scouts=300) for _ in range(2))
+    assert found.steps[0].cost < 0.5 * alone.steps[0].cost
+    assert found.values == again.values
+    for name in NAMES:
+        np.testing.assert_allclose(found.values[name], getattr(TRUTH, name), atol=1e-4)
+    with pytest.raises(ValueError, match="scouts"):
+        fit_picture(start, free, target, scouts=-1)
+
+
+def test_of_several_methods_the_one_counts_that_explains_the_picture():
+    truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
+    mesh, rays = jo.render.Raster(), jo.render.Rays()
+    for method in (mesh, rays):
+        target = PictureTarget(truth.picture(SIZE, method))
+        found = fit_picture(start, free, target, finish=[mesh, rays])
+        for name in NAMES:
+            np.testing.assert_allclose(found.values[name], getattr(truth, name), atol=1e-4)
+
+
 def test_what_is_masked_does_not_count(target):
     spoilt = target.image.at[:, 30:].set(7.0)
     mask = jnp.ones(SIZE).at[:, 30:].set(0.0)
