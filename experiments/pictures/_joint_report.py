@@ -71,8 +71,8 @@ def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, res
         f"which tell the spectrum, it is {slopes.correlation:+.2f} and ± {errors[slopes.name][1]:.2g}; with one "
         f"picture as well **{joint.correlation:+.2f} and ± {errors[joint.name][1]:.2g}**.",
         f"The picture alone has {picture.correlation:+.2f} and ± {errors[picture.name][1]:.2g}. It weighs what parts "
-        "of the image say when each errs by itself; what mesh and rays differ in is in its residuals, but a bias that "
-        "is the same everywhere is not in its errors.",
+        "of the image say when each errs by itself; errors also hold how far the numbers would move if it were drawn "
+        "with four rays a pixel.",
     ]
     setting = (
         f"truth U10 = {config.wind.speed:g} m/s, ε = {config.threshold:g}, λ = {config.choppiness:g}, "

@@ -17,6 +17,13 @@ from ..common import _build
 DRAWS = 1000
 """After so many seas that have too few or too many whitecaps the limits are to blame."""
 
+FINISHES = Raster(1.0), Rays()
+"""Draw the last pictures of a fit, of which the better ones count. Neither is what draws a target: those are averages
+of more pixels."""
+
+DOUBTS = (Rays(2),)
+"""Might be as right: light from all over a pixel instead of one filtered look at it."""
+
 FREE = ("wind speed", "wind direction", "choppiness", "threshold", "sun elevation", "exposure")
 UNITS = ("m/s", "rad", "-", "-", "rad", "stops")
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fitting import FitError
 from fitting.pictures import PictureFit, PictureTarget, SceneModel, fit_picture
-from jaxocean.render import Raster, Rays
+from jaxocean.render import Rays
 
 from .. import schema
 from ..harness import _records
@@ -17,13 +17,6 @@ from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _recovery_report, _recovery_scenes, _recovery_views
-
-FINISHES = Raster(1.0), Rays()
-"""Draw the last pictures of a fit, of which the better ones count. Neither is what draws a target: those are averages
-of more pixels."""
-
-DOUBTS = (Rays(2),)
-"""Might be as right: light from all over a pixel instead of one filtered look at it."""
 
 SCOUTS = 90
 """Scenes that are looked at before a fit begins."""
@@ -115,8 +108,8 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
             start,
             _recovery_scenes.free,
             PictureTarget(image),
-            finish=FINISHES,
-            doubts=DOUBTS,
+            finish=_recovery_scenes.FINISHES,
+            doubts=_recovery_scenes.DOUBTS,
             scouts=SCOUTS,
             most_steps=60,
         )
@@ -162,5 +155,5 @@ def _pictures(config: schema.PictureRecoveryConfig, each: Recovery) -> list[np.n
     images = [_recovery_scenes.target(truth, size, config.detail, method)]
     for values in (each.start, each.found):
         scene = _recovery_scenes.with_numbers(start, values)
-        images.append(_recovery_scenes.target(scene, size, 1, FINISHES[0]))
+        images.append(_recovery_scenes.target(scene, size, 1, _recovery_scenes.FINISHES[0]))
     return [np.asarray(image) for image in jax.block_until_ready(images)]

@@ -119,7 +119,7 @@ def test_recoveries_are_told_apart_by_their_bounds():
 def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tmp_path, monkeypatch):
     seen = []
 
-    def fit(start, free, target, *, beside=None, priors):
+    def fit(start, free, target, *, beside=None, priors, **_):
         threshold, choppiness, age = (float(each) for each in free(start))
         held = priors[0].deviation < 1e-3
         seen.append((held, beside is not None, float(target.scatter)))
