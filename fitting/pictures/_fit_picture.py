@@ -125,7 +125,6 @@ def fit_picture(
         raise ValueError(f"Argument `tolerance` must be between 0 and 1, but is {tolerance:g}.")
     if most_steps < 1:
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
-    method = Raster(shading_rate=(2, 2)) if method is None else method
     if scouts < 0:
         raise ValueError(f"Argument `scouts` must be at least 0, but is {scouts}.")
     finishes = [finish] if isinstance(finish, Raster | Rays) else list(finish)
@@ -135,6 +134,7 @@ def fit_picture(
             raise ValueError(
                 f"Argument `beside` must hold targets of known scatter, but that of {other.name} is free."
             )
+    method = Raster(shading_rate=(2, 2)) if method is None else method
     began = time.perf_counter()
     slots = [
         (_bounded(slot), prior) for slot, prior in attach_priors(model, resolve(model, free, 1), list(priors))
@@ -148,6 +148,8 @@ def fit_picture(
         if coarse:
             stage = problem.against(target.without(coarse))
             free_values = _coarsely(stage, free_values, scouts, most_steps, coarse, steps, report)
+        elif scouts:
+            free_values = scout(problem, free_values, scouts)
         free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
         ends = [finish_with(problem.by(other), free_values, jacobian) for other in finishes]
         if ends:
@@ -201,7 +203,7 @@ def _covariance(problem: PictureProblem, rows: Array, jacobian: Array) -> tuple[
     own, others = (part.T @ part for part in (jacobian[:data], jacobian[data:]))
     found = sandwich(*(np.asarray(each) for each in (pulls, target.places(TILES), own, others)))
     naive = np.linalg.pinv(np.asarray(own + others), hermitian=True)
-    ratio = np.diag(found) / np.diag(naive)
+    ratio = np.maximum(np.diag(found) / np.diag(naive), np.finfo(float).tiny)
     return found, float(target.scatter) * float(np.exp(0.5 * np.mean(np.log(ratio))))
 
 

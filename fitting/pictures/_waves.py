@@ -69,8 +69,8 @@ class _Sought(eqx.Module):
     method: Raster | Rays | None = eqx.field(static=True)
 
     def model(self, z: Float[Array, "2 pattern y x"]) -> SceneModel:
-        noise = jax.lax.complex(z[0], z[1]) * np.sqrt(0.5).astype(z.dtype)
-        return eqx.tree_at(lambda scene: scene.noise, self.scene, noise)
+        real, imaginary = z * np.sqrt(0.5).astype(z.dtype)
+        return eqx.tree_at(lambda scene: scene.noise, self.scene, jax.lax.complex(real, imaginary))
 
     def parts(self, z: Float[Array, "2 pattern y x"]) -> tuple[Scalar, Scalar]:
         """Cost of the pictures and of the waves."""

@@ -8,7 +8,7 @@ import pytest
 
 import fitting
 import jaxocean as jo
-from fitting.pictures import PictureTarget, SceneModel, fit_picture
+from fitting.pictures import PictureTarget, SceneModel, View, fit_picture, recover_waves
 from fitting.pictures._sandwich import sandwich
 
 SIZE = (40, 56)
@@ -276,6 +276,18 @@ def test_a_scene_is_the_ocean_that_it_says():
 def test_noise_of_another_cascade_is_refused():
     with pytest.raises(ValueError, match="shape"):
         SceneModel(jo.Wind(3.0), jo.render.Camera((0.0, 0.0, 5.0)), cascade=CASCADE, noise=NOISE[:, :16, :16])
+
+
+def test_waves_are_not_sought_without_pictures_or_scatter():
+    view = View(scene().camera, 0.0, PictureTarget(jnp.ones((24, 32, 3))))
+    with pytest.raises(ValueError, match="views"):
+        recover_waves(scene(), [])
+    with pytest.raises(ValueError, match="scatter"):
+        recover_waves(scene(), [view], scatter=0.0)
+    with pytest.raises(ValueError, match="most_steps"):
+        recover_waves(scene(), [view], most_steps=0)
+    with pytest.raises(ValueError, match="SceneModel"):
+        recover_waves(TRUTH, [view])
 
 
 @pytest.mark.slow
