@@ -66,7 +66,7 @@ class _Sought(eqx.Module):
     views: tuple[View, ...]
     scatter: Scalar
     scale: Scalar
-    method: Raster | Rays | None = eqx.field(static=True)
+    method: Raster | Rays = eqx.field(static=True)
 
     def model(self, z: Float[Array, "2 pattern y x"]) -> SceneModel:
         real, imaginary = z * np.sqrt(0.5).astype(z.dtype)
@@ -105,7 +105,7 @@ def recover_waves(
     - `scene`: everything but the waves; its `noise` is where the search begins: zeros are a good place.
     - `views`: the pictures.
     - `scatter`: s [-], how far pictures are off from what the right waves would give, in log light.
-    - `method`: how pixels find the sea, as for `fit_picture`.
+    - `method`: how pixels find the sea, `Raster()` if None.
     - `most_steps`: after which it stops, wherever it is.
     - `tolerance`: it is done when 10 steps together lower the cost by less than this share.
     - `report`: called with the start and with every tenth step.
@@ -122,7 +122,7 @@ def recover_waves(
     if most_steps < 1:
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
     began = time.perf_counter()
-    method = Raster(shading_rate=(1, 1)) if method is None else method
+    method = Raster() if method is None else method
     dtype = scene.noise.real.dtype
     sought = _Sought(scene, tuple(views), jnp.asarray(scatter, dtype), jnp.ones((), dtype), method)
     z = jnp.stack([scene.noise.real, scene.noise.imag]) * np.sqrt(2).astype(dtype)

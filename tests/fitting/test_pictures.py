@@ -286,8 +286,6 @@ def test_waves_are_not_sought_without_pictures_or_scatter():
         recover_waves(scene(), [view], scatter=0.0)
     with pytest.raises(ValueError, match="most_steps"):
         recover_waves(scene(), [view], most_steps=0)
-    with pytest.raises(ValueError, match="SceneModel"):
-        recover_waves(TRUTH, [view])
 
 
 @pytest.mark.slow
