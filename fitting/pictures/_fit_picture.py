@@ -22,7 +22,7 @@ from ._descent import PictureStep, descend, finish_with, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
-from ._scout import scout
+from ._scout import awaken, scout
 
 COARSE, COARSE_TOLERANCE = 3, 0.03
 """Levels that are left out at first, and how closely that is solved: crests that lie elsewhere than in the target show
@@ -30,6 +30,9 @@ no way in single pixels, but do in squares that are wider than they are off."""
 
 THRESHOLDS = Interval(-3.0, 1.0)
 """Where ε [-] lies if nothing else is said."""
+
+FOAMY = np.linspace(0.1, 0.95, 18)
+"""Values of ε that are tried after the coarse squares, from which it may have gone where there is no foam."""
 
 Free = Callable | Parameter | Sequence[Callable | Parameter]
 
@@ -150,6 +153,11 @@ def fit_picture(
             free_values = _coarsely(stage, free_values, scouts, most_steps, coarse, steps, report)
         elif scouts:
             free_values = scout(problem, free_values, scouts)
+        place = 0
+        for slot in problem.slots:
+            if slot.bounds is THRESHOLDS:
+                free_values = awaken(problem, free_values, place, FOAMY)
+            place += slot.size
         free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
         ends = [finish_with(problem.by(other), free_values, jacobian) for other in finishes]
         if ends:

@@ -32,6 +32,9 @@ class PictureProblem(eqx.Module):
     def start(self) -> Float[Array, " p"]:
         leaves = jax.tree.leaves(self.model)
         values = jnp.concatenate([jnp.ravel(jnp.asarray(leaves[s.index], float)) for s in self.slots])
+        return self.unconstrain(values)
+
+    def unconstrain(self, values: Float[Array, " p"]) -> Float[Array, " p"]:
         return self._each(values, lambda bounds, x: bounds.unconstrain(x))
 
     def constrain(self, free: Float[Array, " p"]) -> Float[Array, " p"]:

@@ -43,6 +43,19 @@ def scout(problem: PictureProblem, start: Float[Array, " p"], count: int) -> Flo
     return jnp.asarray(points[np.nanargmin(costs)])
 
 
+def awaken(
+    problem: PictureProblem, free: Float[Array, " p"], index: int, values: np.ndarray
+) -> Float[Array, " p"]:
+    """The same scene with the one of these values for a number, or its own, with which the picture agrees best.
+
+    For a number that may have been led where no picture tells it, and no derivative leads back.
+    """
+    inside = np.repeat(np.asarray(problem.constrain(free))[None], len(values), axis=0)
+    inside[:, index] = values
+    points = jnp.concatenate([free[None], jax.vmap(problem.unconstrain)(jnp.asarray(inside))])
+    return points[int(np.nanargmin(np.asarray(costs_of(problem, points))))]
+
+
 @eqx.filter_jit
 def costs_of(problem: PictureProblem, points: Float[Array, "n p"]) -> Float[Array, " n"]:
     """Half the sums of squared residuals, one point after the other."""

@@ -134,6 +134,27 @@ def test_scouts_begin_nearer_to_the_target(target):
         fit_picture(start, free, target, scouts=-1)
 
 
+def test_a_threshold_comes_back_from_where_there_is_no_foam():
+    class Foamy(Stripes):
+        threshold: jax.Array
+
+        def __init__(self, *numbers, threshold):
+            super().__init__(*numbers)
+            self.threshold = jnp.asarray(threshold)
+
+        def picture(self, size, method):
+            plain = super().picture(size, method)
+            share = jnp.mean(plain, axis=-1, keepdims=True) / 8
+            foam = jax.nn.sigmoid((self.threshold - share) / 0.02)
+            return (1 - foam) * plain + 20 * foam
+
+    target = PictureTarget(Foamy(threshold=0.15).picture(SIZE, None))
+    start = Foamy(0.3, 0.5, 0.8, 0.9, threshold=-2.0)
+    found = fit_picture(start, lambda m: (m.exposure, m.threshold), target)
+    np.testing.assert_allclose(found.values["threshold"], 0.15, atol=1e-3)
+    np.testing.assert_allclose(found.values["exposure"], 1.0, atol=1e-3)
+
+
 def test_of_several_methods_the_one_counts_that_explains_the_picture():
     truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
     mesh, rays = jo.render.Raster(), jo.render.Rays()
