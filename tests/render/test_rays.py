@@ -315,7 +315,7 @@ def test_a_patch_is_the_sea_at_its_samples_and_faces_up(sea):
     np.testing.assert_allclose(0.5 * normal[:, 2].sum(), 23.0**2, rtol=1e-9)
 
 
-@pytest.mark.parametrize(("method", "middle", "most"), [(Rays(), 1e-3, 2e-2), (Raster(2), 1e-2, 0.1)])
+@pytest.mark.parametrize(("method", "middle", "most"), [(Rays(), 1e-3, 2e-2), (Raster(2.0), 1e-2, 0.1)])
 def test_depth_and_normal_are_those_of_mitsuba_on_the_exported_mesh(rough, tmp_path, method, middle, most):
     mitsuba = pytest.importorskip("mitsuba")
     mitsuba.set_variant("scalar_rgb")
