@@ -62,7 +62,9 @@ def run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> 
     for name, targets in (("coverage law", [law]), ("law and slopes", [law, slopes])):
         objectives.append(_without_picture(config, truth, name, targets))
         advance()
-    alone = _fit(truth, PictureTarget(image), None, _prior(config))
+    # A process may hold only so many compiled programs, and those of pictures are large.
+    jax.clear_caches()
+    alone = _fit(truth, PictureTarget(image), _muted(law) + _muted(slopes), _prior(config))
     advance()
     weighed = PictureTarget(image, scatter=alone.scatter)
     objectives.append(_with_picture(config, truth, weighed, law + slopes, advance))
@@ -104,6 +106,11 @@ def _targets(
         )
 
 
+def _muted(target: fitting.CoveragePoints | fitting.SlopeVariance):
+    """The same with so wide a scatter that it says nothing: the program is that of a fit in which it does."""
+    return eqx.tree_at(lambda t: t.scatter.value, target, 1e6 * target.scatter.value)
+
+
 def _double(model):
     return jax.tree.map(
         lambda leaf: leaf.astype(jnp.float64) if jnp.issubdtype(leaf.dtype, jnp.floating) else leaf, model
@@ -137,7 +144,7 @@ def _without_picture(
 
 
 def _fit(
-    start: SceneModel, image: PictureTarget, beside: fitting.TargetSum | None, prior: fitting.Normal
+    start: SceneModel, image: PictureTarget, beside: fitting.TargetSum, prior: fitting.Normal
 ) -> PictureFit:
     return fit_picture(start, _free, image, beside=beside, priors=[prior], finish=FINISHES, doubts=DOUBTS)
 

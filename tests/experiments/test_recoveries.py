@@ -119,10 +119,11 @@ def test_recoveries_are_told_apart_by_their_bounds():
 def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tmp_path, monkeypatch):
     seen = []
 
-    def fit(start, free, target, *, beside=None, priors, **_):
+    def fit(start, free, target, *, beside, priors, **_):
         threshold, choppiness, age = (float(each) for each in free(start))
         held = priors[0].deviation < 1e-3
-        seen.append((held, beside is not None, float(target.scatter)))
+        says = all(float(each.scatter.value) < 1 for each in beside.targets)
+        seen.append((held, says, float(target.scatter)))
         # Uncorrelated, and twice as wide as the picture alone would be.
         covariance = np.diag(np.array([0.004, 0.01, 0.02]) ** 2)
         values = {"threshold": threshold, "choppiness": choppiness, "inverse_wave_age": age}
