@@ -166,7 +166,7 @@ class RayImageConfig(ImageConfig):
     @model_validator(mode="after")
     def _check_samples(self) -> Self:
         if self.samples > 1 and self.method != "rays":
-            raise ValueError("samples are those of rays: set method=rays, or leave samples at 1")
+            raise wrong("samples", f"be 1 unless `method` is rays, but is {self.samples}")
         return self
 
 

@@ -1,8 +1,10 @@
 """The config of `wave_recovery`."""
 
-from typing import Literal
+from typing import Literal, Self
 
-from ._base import ExperimentConfig, key
+from pydantic import model_validator
+
+from ._base import ExperimentConfig, key, wrong
 from ._sea import WindConfig
 
 
@@ -15,7 +17,11 @@ class WaveRecoveryConfig(ExperimentConfig):
     resolution: int = key(64, meaning="waves along each side of it", ge=8, le=512)
     threshold: float = key(0.4, unit="-", meaning="ε: breaking where j < ε", ge=-10, le=2)
     views: tuple[int, ...] = key(
-        (1, 3), meaning="from how many sides it is seen, one fit for each", min_length=1, max_length=6
+        (1, 3),
+        meaning="from how many sides it is seen, one fit for each",
+        within="1 to 12 each",
+        min_length=1,
+        max_length=6,
     )
     altitude: float = key(14.0, unit="m", meaning="of the camera, which looks at the middle", gt=0, le=1e4)
     pitch: float = key(1.05, unit="rad", meaning="of the camera, below the horizontal", gt=0.1, lt=1.5)
@@ -28,3 +34,10 @@ class WaveRecoveryConfig(ExperimentConfig):
     detail: int = key(2, meaning="times as many rows and columns in the targets, averaged", ge=1, le=8)
     height: int = key(96, unit="px", meaning="rows", ge=16, le=2048)
     width: int = key(128, unit="px", meaning="columns", ge=16, le=2048)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for views in self.views:
+            if not 1 <= views <= 12:
+                raise wrong("views", f"be 1 to 12 each, but one is {views}")
+        return self

@@ -93,6 +93,23 @@ def test_limits_that_no_sea_meets_are_named(tmp_path, monkeypatch):
         execute(load("picture_recovery", [*SMALL, *limits], output=str(tmp_path)))
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("wave_recovery", "views=[3,0]", "`views` .* be 1 to 12 each, but one is 0"),
+        (
+            "picture_recovery",
+            "truths.lowest_wind=20",
+            r"`truths\.highest_wind` .* be above `lowest_wind` = 20",
+        ),
+        ("render", "image.samples=4", r"`image\.samples` .* be 1 unless `method` is rays, but is 4"),
+    ],
+)
+def test_configs_that_make_no_sense_are_refused_before_anything_runs(name, value, words):
+    with pytest.raises(UserError, match=words):
+        load(name, [value])
+
+
 def test_starts_are_as_far_off_as_is_asked():
     config = load("picture_recovery", SMALL).config
     for number in range(4):
