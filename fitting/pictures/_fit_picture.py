@@ -100,7 +100,7 @@ def fit_picture(
       scatter: `law + slopes`. They and priors weigh as much against the picture as the target's `scatter` says.
     - `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
-    - `finish`: a more exact method for the end: up to three Gauss–Newton steps with its residuals and the other
+    - `finish`: a more exact method for the end: up to twelve Gauss–Newton steps with its residuals and the other
       method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
       in the numbers. Of several the one counts that explains the picture best.
     - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
