@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
-from scipy import ndimage
 
 from jaxocean.optics import luminance
 
@@ -140,6 +139,9 @@ def _features(image: np.ndarray, reduced: float) -> np.ndarray:
     least = 1e-3 * max(float(np.median(light)), 1e-12)
     logarithm = np.log(np.maximum(image, least))
     own = np.log(np.maximum(light, least))
+    # Only now: it takes long to import.
+    from scipy import ndimage
+
     rough = np.abs(np.diff(own, axis=1, append=own[:, -1:])) + np.abs(np.diff(own, axis=0, append=own[-1:]))
     rough = ndimage.uniform_filter(rough, 3)
     planes = own, logarithm[..., 0] - logarithm[..., 1], logarithm[..., 2] - logarithm[..., 1], rough
@@ -148,6 +150,8 @@ def _features(image: np.ndarray, reduced: float) -> np.ndarray:
 
 
 def _reduced(plane: np.ndarray, factor: float) -> np.ndarray:
+    from scipy import ndimage
+
     return np.asarray(ndimage.zoom(plane, 1 / factor, order=1, grid_mode=True, mode="nearest"), float)
 
 
