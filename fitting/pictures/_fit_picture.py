@@ -101,8 +101,8 @@ def fit_picture(
     - `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
     - `finish`: a more exact method for the end: up to twelve Gauss–Newton steps with its residuals and the other
-      method's derivatives, mended on the way, as long as they lower the cost. What `method` gets wrong everywhere
-      alike is then no longer in the numbers. Of several the one counts that explains the picture best.
+      method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
+      in the numbers. Of several the one counts that explains the picture best.
     - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
       first order, counts as one standard error of its own.
     - `scouts`: how many scenes around the start are looked at before the first step, without derivatives: for a start
