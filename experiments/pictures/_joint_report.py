@@ -9,8 +9,7 @@ import fitting
 from .. import schema
 from ..common._markdown import page
 from ..harness._result import Result, Table
-
-LEVEL = 0.9
+from ._joint_views import LEVEL
 
 
 def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, scatter: float) -> Result:

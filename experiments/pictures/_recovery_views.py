@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from jaxocean import imagery, optics
+from jaxocean import optics
 
 from .. import schema
 from ..common import _plots
 from ..harness._files import Files, variable
+from . import _scene
 from ._recovery_scenes import BOUNDS, FREE, UNITS, half_width
 
 DARKEST = 2.0
@@ -60,13 +61,12 @@ def show(store: Files, pictures: Sequence[Sequence[np.ndarray]], recoveries: Seq
     with _plots.figure(len(pictures), 4, size=size, squeeze=False) as (fig, axes):
         for row, images, each in zip(axes, pictures, recoveries, strict=False):
             target, start, found = images
-            tone = imagery.Filmic(0.18 / float(np.median(np.asarray(optics.luminance(jnp.asarray(target))))))
             words = "rays" if each.rays else "fine mesh"
             titles = f"Target ({words}), {each.truth[0]:.1f} m/s", f"Start, {each.start[0]:.1f} m/s"
             for axis, image, title in zip(
                 row, (target, start, found), (*titles, f"Found, {each.found[0]:.2f} m/s"), strict=False
             ):
-                axis.imshow(np.asarray(tone(jnp.asarray(image))), origin="upper", interpolation="antialiased")
+                axis.imshow(_scene.shown(image, target), origin="upper", interpolation="antialiased")
                 axis.set_title(title, fontsize=10)
             luminance = [np.asarray(optics.luminance(jnp.asarray(image))) for image in (found, target)]
             stops = np.log2(np.maximum(luminance[0], 1e-9) / np.maximum(luminance[1], 1e-9))

@@ -190,9 +190,18 @@ def exposure(config: schema.SceneConfig, radiance: np.ndarray) -> float:
     """
     if config.image.exposure is not None:
         return config.image.exposure
-    middle = float(np.median(np.asarray(optics.luminance(jnp.asarray(radiance)))))
     least = 1e-12 if isinstance(config.sky, schema.PanoramaSkyConfig) else DAYLIGHT / CANDELA
-    return MIDDLE / max(middle, least)
+    return MIDDLE / max(_median(radiance), least)
+
+
+def shown(radiance: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Filmic code values, exposed as suits a picture that it is shown beside."""
+    return np.asarray(imagery.Filmic(MIDDLE / _median(beside))(jnp.asarray(radiance)))
+
+
+def _median(radiance: np.ndarray) -> float:
+    """Of the luminance."""
+    return float(np.median(np.asarray(optics.luminance(jnp.asarray(radiance)))))
 
 
 def code(config: schema.SceneConfig, exposure: float, radiance: np.ndarray) -> np.ndarray:

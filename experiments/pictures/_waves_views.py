@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 
-import jax.numpy as jnp
 import numpy as np
-
-from jaxocean import imagery, optics
 
 from .. import schema
 from ..common import _plots
 from ..harness._files import Files, variable
+from . import _scene
 
 
 def plot(
@@ -48,8 +46,7 @@ def plot(
     size = (wide * across, wide * config.height / config.width + 0.35)
     with _plots.figure(1, across, size=size, squeeze=False) as (fig, axes):
         for number, (axis, image) in enumerate(zip(axes.flat, pictures, strict=True), 1):
-            tone = imagery.Filmic(0.18 / float(np.median(np.asarray(optics.luminance(jnp.asarray(image))))))
-            axis.imshow(np.asarray(tone(jnp.asarray(image))), origin="upper", interpolation="antialiased")
+            axis.imshow(_scene.shown(image, image), origin="upper", interpolation="antialiased")
             axis.set_title(f"Picture {number}", fontsize=10)
             axis.axis("off")
         store.picture("pictures", fig)

@@ -11,6 +11,7 @@ import numpy as np
 import fitting
 import jaxocean as jo
 from fitting.pictures import PictureFit, PictureTarget, SceneModel, fit_picture
+from jaxocean._numerics import with_dtype
 from jaxocean.render import Rays
 
 from .. import schema
@@ -98,7 +99,7 @@ def _targets(
     """What a law and slopes say that the truth obeys."""
     with jax.enable_x64(True):
         speeds = np.asarray(config.winds.speed)
-        sea = _double(truth).statistics()
+        sea = with_dtype(truth, jnp.dtype(jnp.float64)).statistics()
         coverage = eqx.filter_vmap(lambda u: sea.coverage(jo.Wind(u)))(jnp.asarray(speeds))
         law = fitting.CoveragePoints(speeds, np.asarray(coverage), config.law_scatter, "coverage law")
         return law, fitting.SlopeVariance(
@@ -109,12 +110,6 @@ def _targets(
 def _muted(target: fitting.CoveragePoints | fitting.SlopeVariance):
     """The same with so wide a scatter that it says nothing: the program is that of a fit in which it does."""
     return eqx.tree_at(lambda t: t.scatter.value, target, 1e6 * target.scatter.value)
-
-
-def _double(model):
-    return jax.tree.map(
-        lambda leaf: leaf.astype(jnp.float64) if jnp.issubdtype(leaf.dtype, jnp.floating) else leaf, model
-    )
 
 
 def _free(model):
@@ -131,7 +126,7 @@ def _without_picture(
     config: schema.JointTargetsConfig, truth: SceneModel, name: str, targets: Sequence
 ) -> Objective:
     with jax.enable_x64(True):
-        model, priors = _double(truth).statistics(), [_prior(config)]
+        model, priors = with_dtype(truth, jnp.dtype(jnp.float64)).statistics(), [_prior(config)]
         found = fitting.fit(model, _free, targets, priors=priors)
         spread = float(np.sqrt(found.covariance[1, 1]))
         middle = float(found.model.choppiness)

@@ -42,24 +42,22 @@ def run(config: schema.WaveRecoveryConfig, progress: Reporter, store: Files) -> 
     progress.step("Drawing the targets")
     truth = _scene(config)
     views = [_view(config, truth, number) for number in range(max(config.views))]
-    folder = store.unfinished()
-    found = []
+    kept = store.unfinished() / "recovered.jsonl"
+    done = {record["views"]: record for record in _records.read(kept)}
     for count in config.views:
-        kept = folder / f"{count}.jsonl"
-        records = _records.read(kept)
-        if not records:
+        if count not in done:
             advance = progress.count(
                 f"Steps with {count} of the views; the first compiles", config.steps // 10 + 1
             )
             try:
-                records = [_recover(config, truth, views[:count], advance)]
+                done[count] = _recover(config, truth, views[:count], advance)
             except KeyboardInterrupt:
                 raise Interrupted(
-                    f"Interrupted: {len(found)} of {len(config.views)} searches are kept, and the same command goes on "
+                    f"Interrupted: {len(done)} of {len(config.views)} searches are kept, and the same command goes on "
                     "with the others."
                 ) from None
-            _records.append(kept, records[0])
-        found.append(_read(records[-1]))
+            _records.append(kept, done[count])
+    found = [_read(done[count]) for count in config.views]
     progress.step("Drawing")
     height = _height(truth)
     pictures = [np.asarray(view.target.image) for view in views]
