@@ -17,7 +17,7 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
     del config
     every = [*objectives, picture]
     deviations = [np.sqrt(np.diag(each.covariance)) for each in every]
-    intervals = [_interval(each) for each in every]
+    intervals = [_interval(each.profile) for each in every]
     rows = [
         (
             each.name,
@@ -41,23 +41,13 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
     return Result(values=values, tables=(Table("ε and λ", columns, rows),))
 
 
-def _interval(each) -> str:
-    if not each.grid.size:
+def _interval(profile: fitting.Profile | None) -> str:
+    if profile is None:
         return "-"
-    inside = each.grid[each.excess <= fitting.profile_limit(LEVEL)]
-    root, limit = np.sqrt(np.maximum(each.excess, 0)), np.sqrt(fitting.profile_limit(LEVEL))
-    ends = []
-    for side in (slice(None, None, -1), slice(None)):
-        grid, height = each.grid[side], root[side]
-        start = int(np.argmin(height))
-        grid, height = grid[start:], height[start:]
-        beyond = np.flatnonzero(height > limit)
-        if not beyond.size or not inside.size:
-            ends.append("open")
-            continue
-        last = int(beyond[0])
-        ends.append(f"{float(np.interp(limit, height[last - 1 : last + 1], grid[last - 1 : last + 1])):.3f}")
-    return f"{ends[0]} to {ends[1]}"
+    found = profile.interval(LEVEL)
+    lower = "open" if found.lower_is_open else f"{found.lower:.3f}"
+    upper = "open" if found.upper_is_open else f"{found.upper:.3f}"
+    return f"{lower} to {upper}"
 
 
 def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, result: Result) -> str:

@@ -20,9 +20,8 @@ def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, 
         for each, colour in zip(objectives, colours, strict=True):
             label = f"{each.name} (correlation {each.correlation:+.2f})"
             axes[0].plot(*_ellipse(each), color=colour, label=label)
-            axes[1].plot(
-                each.grid, np.sqrt(np.maximum(each.excess, 0)), marker=".", color=colour, label=each.name
-            )
+            root = np.sqrt(np.maximum(each.profile.excess, 0))
+            axes[1].plot(each.profile.grid, root, marker=".", color=colour, label=each.name)
         label = f"picture alone (correlation {picture.correlation:+.2f})"
         axes[0].plot(*_ellipse(picture), color=_plots.GREEN, linestyle="--", label=label)
         axes[0].plot(config.choppiness, config.threshold, "+", color=_plots.BLACK, ms=10, label="truth")
@@ -75,10 +74,10 @@ def save(store: Files, objectives: Sequence, picture) -> None:
     for number, each in enumerate(objectives):
         axis = f"point_{number}"
         variables[f"choppiness_{number}"] = variable(
-            axis, each.grid, units="1", long_name=f"choppiness of the profile with {each.name}"
+            axis, each.profile.grid, units="1", long_name=f"choppiness of the profile with {each.name}"
         )
         variables[f"excess_{number}"] = variable(
-            axis, each.excess, units="1", long_name=f"twice the cost above its least with {each.name}"
+            axis, each.profile.excess, units="1", long_name=f"twice the cost above its least with {each.name}"
         )
     names = np.asarray([each.name for each in every])
     store.data(

@@ -17,14 +17,15 @@ def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result
     holds = np.asarray([each.holds(config.level) for each in found]).reshape(-1, len(FREE))
     off = np.abs(np.asarray([each.found - each.truth for each in found])).reshape(-1, len(FREE))
     inside = np.asarray([each.inside for each in found]).reshape(-1, len(FREE))
+    holding, middle = _means(holds), _medians(off)
     warm = [each.seconds for each in found if not each.compiled]
     values = {
         "seas": len(recoveries),
         "recovered": int(np.sum(whole)),
         "failed": len(recoveries) - len(found),
         "interval_coverage": float(np.mean(holds)) if found else float("nan"),
-        "interval_coverage_of": dict(zip(FREE, _means(holds), strict=True)),
-        "median_error_of": dict(zip(FREE, _medians(off), strict=True)),
+        "interval_coverage_of": dict(zip(FREE, holding, strict=True)),
+        "median_error_of": dict(zip(FREE, middle, strict=True)),
         "seconds_median": float(np.median(warm)) if warm else float("nan"),
         "seconds_most": float(np.max(warm)) if warm else float("nan"),
     }
@@ -34,9 +35,9 @@ def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result
             unit,
             _bound(bound),
             float(np.sum(inside[:, n])),
-            _medians(off)[n],
+            middle[n],
             float(np.max(off[:, n])) if found else float("nan"),
-            _means(holds)[n],
+            holding[n],
         )
         for n, (name, unit, bound) in enumerate(zip(FREE, UNITS, BOUNDS, strict=True))
     ]

@@ -1,7 +1,7 @@
 """`joint_targets`: how a coverage law, slopes and a picture together tell ε from λ."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import equinox as eqx
 import jax
@@ -36,15 +36,13 @@ WIDEST = (0.2, 2.5)
 class Objective:
     """What some targets say of (ε, λ).
 
-    **Arguments:** `name`; `values`, `covariance` of both; `grid` of λ, and `excess` there: twice the cost above its
-    least.
+    **Arguments:** `name`; `values`, `covariance` of both; `profile` of λ, where there is one.
     """
 
     name: str
     values: np.ndarray
     covariance: np.ndarray
-    grid: np.ndarray
-    excess: np.ndarray
+    profile: fitting.Profile | None = None
 
     @property
     def correlation(self) -> float:
@@ -70,7 +68,7 @@ def run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> 
     weighed = PictureTarget(image, scatter=alone.scatter)
     objectives.append(_with_picture(config, truth, weighed, law + slopes, advance))
     progress.step("Drawing the figure")
-    picture = _objective("picture", alone, np.empty(0), np.empty(0))
+    picture = _objective("picture", alone)
     _joint_views.plot(store, config, objectives, picture)
     _joint_views.save(store, objectives, picture)
     result = _joint_report.result(config, objectives, picture, alone.scatter)
@@ -135,7 +133,7 @@ def _without_picture(
             model, _free, targets, parameter="choppiness", grid=np.linspace(low, high, 24), priors=priors
         )
         values = np.asarray([float(found.model.threshold), middle])
-    return Objective(name, values, found.covariance[:2, :2], profile.grid, profile.excess)
+    return Objective(name, values, found.covariance[:2, :2], profile)
 
 
 def _fit(
@@ -156,18 +154,30 @@ def _with_picture(
     advance()
     spread = best.errors["choppiness"]
     grid = best.values["choppiness"] + REACH * spread * np.linspace(-1, 1, config.points)
-    costs = []
+    costs, values = [], []
     for value in grid:
         start = eqx.tree_at(lambda m: m.choppiness, best.model, jnp.asarray(value, jnp.float32))
         held = _fit(start, image, beside, _prior(config, float(value)))
         # What the wide prior would say there.
         off = (value - config.choppiness) / config.prior_deviation
         costs.append(2 * held.cost + off**2)
+        values.append(list(held.values.values()))
         advance()
-    least = min(2 * best.cost, *costs)
-    return replace(_objective("law, slopes and picture", best, grid, np.asarray(costs) - least))
+    excess = np.asarray(costs) - min(2 * best.cost, *costs)
+    profile = fitting.Profile(
+        "choppiness",
+        "-",
+        best.labels,
+        grid,
+        excess,
+        np.asarray(values),
+        best=float(grid[np.argmin(excess)]),
+        fit=None,
+        warnings=(),
+    )
+    return _objective("law, slopes and picture", best, profile)
 
 
-def _objective(name: str, found: PictureFit, grid: np.ndarray, excess: np.ndarray) -> Objective:
+def _objective(name: str, found: PictureFit, profile: fitting.Profile | None = None) -> Objective:
     values = np.asarray([found.values["threshold"], found.values["choppiness"]])
-    return Objective(name, values, found.covariance[:2, :2], grid, excess)
+    return Objective(name, values, found.covariance[:2, :2], profile)
