@@ -88,7 +88,7 @@ def find_horizon(
     reduced = max(columns / COLUMNS, 1.0)
     features = _features(image, reduced)
     weight = _reduced(seen, reduced)
-    best, left, right = -1.0, 0.0, 0.0
+    best, line = -1.0, (0.0, 0.0)
     height, width = weight.shape
     strip = max(STRIP * height, 2.0)
     reach = np.arange(strip, height - strip, 1.0)
@@ -97,14 +97,14 @@ def find_horizon(
         for tilt in np.linspace(-STEEPEST, STEEPEST, 41):
             score = _step(sums, middle, tilt, strip)
             if score > best:
-                best, left, right = score, middle, tilt
-    row, slope = _refined(features[:-1], weight, left, right, strip)
+                best, line = score, (middle, tilt)
     if best < LEAST:
         raise FitError(
             "The image shows no horizon",
             "a view from above, a coast, or haze that hides it",
             "give the camera's pitch and roll",
         )
+    row, slope = _refined(features[:-1], weight, *line, strip)
     # Rows are counted from the middles of pixels; the reduced image's are wider.
     return Horizon(
         float((row + 0.5) * rows / height - 0.5),

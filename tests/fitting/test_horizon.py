@@ -53,6 +53,8 @@ def test_where_there_is_no_horizon_none_is_found(draw):
     for image in (draw(1.2, 0.0), noise, np.full((*SIZE, 3), 0.3)):
         with pytest.raises(FitError, match="shows no horizon"):
             find_horizon(image)
+    with pytest.raises(FitError, match="shows no horizon"):
+        find_horizon(draw(0.1, 0.0), np.zeros(SIZE))
 
 
 def test_images_that_make_no_sense_are_refused():
