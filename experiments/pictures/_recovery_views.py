@@ -46,6 +46,8 @@ def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, number: in
         line = np.linspace(truth.min(), truth.max(), 50)
         width = most * (np.abs(line) if relative else np.ones_like(line))
         axis.fill_between(line, -width, width, color=_plots.GREY, alpha=0.15, lw=0, label="asked")
+        # Linear as far as is asked; what another valley, or an error without end, leaves far off stays in sight.
+        axis.set_yscale("symlog", linthresh=10 ** float(np.ceil(np.log10(width.max()))))
     unit = "" if UNITS[number] == "-" else f" ({UNITS[number]})"
     axis.set(xlabel=f"true {FREE[number]}{unit}", ylabel=f"found − true{unit}")
     axis.set_title(FREE[number].capitalize())
