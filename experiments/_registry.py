@@ -81,6 +81,24 @@ EXPERIMENTS = (
         "experiments.pictures.joint_targets",
     ),
     Experiment(
+        "fit_image",
+        "the wind and the light from one photograph of the sea, with an interval and a filmstrip",
+        schema.FitImageConfig,
+        "experiments.pictures.fit_image",
+    ),
+    Experiment(
+        "unknown_seas",
+        "winds from pictures of seas whose waves are not known, and whether their intervals hold",
+        schema.UnknownSeasConfig,
+        "experiments.pictures.unknown_seas",
+    ),
+    Experiment(
+        "buoy_photographs",
+        "winds from photographs of buoys, beside what they measured and what needs no model",
+        schema.BuoyPhotographsConfig,
+        "experiments.pictures.buoy_photographs",
+    ),
+    Experiment(
         "coverage",
         "whitecap coverage of one sea in closed form: the plain thing to sweep",
         schema.CoverageConfig,

@@ -34,6 +34,11 @@ from ._measured import MeasuredSeaConfig as MeasuredSeaConfig
 from ._measured import NoTailConfig as NoTailConfig
 from ._measured import PowerTailConfig as PowerTailConfig
 from ._measured import RecordChoice as RecordChoice
+from ._photographs import BuoyPhotographsConfig as BuoyPhotographsConfig
+from ._photographs import FitImageConfig as FitImageConfig
+from ._photographs import InferenceConfig as InferenceConfig
+from ._photographs import PhotographCameraConfig as PhotographCameraConfig
+from ._photographs import UnknownSeasConfig as UnknownSeasConfig
 from ._picture_recovery import PictureRecoveryConfig as PictureRecoveryConfig
 from ._picture_recovery import TruthConfig as TruthConfig
 from ._render import ClearSkyConfig as ClearSkyConfig

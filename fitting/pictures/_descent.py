@@ -66,8 +66,12 @@ def descend(
     finest: int,
     steps: list[PictureStep],
     report: Callable | None,
+    least: float = 0.0,
 ) -> tuple[Array, tuple[Array, Array]]:
     """Levenberg–Marquardt, step by step, so that whoever waits may watch.
+
+    **Arguments:** `least`: where costs are squares of standard errors, a gain that is not worth a step: it ends after
+    one that gains less, or two that gain nothing.
 
     **Returns:** where it ends, and the residuals and their derivatives there.
     """
@@ -87,7 +91,7 @@ def descend(
         )
     struct = jax.eval_shape(lambda: known[0])
     state = solver.init(lambda y, known: (_known(y, *known), None), y, known, {}, struct, None, frozenset())
-    best, costs = (y, known), []
+    best, costs, vain = (y, known), [], 0
     for _ in range(most_steps + 1):
         cost = 0.5 * float(jnp.sum(known[0] ** 2))
         if not costs or cost < costs[-1]:
@@ -99,6 +103,13 @@ def descend(
                 report(steps[-1])
             # The derivative of a picture is rough: near the end many steps gain hardly anything.
             if len(costs) > PATIENCE and costs[-1 - PATIENCE] - cost < tolerance * cost:
+                return best
+            if len(costs) > 1 and costs[-2] - cost < least:
+                return best
+            vain = 0
+        elif least:
+            vain += 1
+            if vain == 2:
                 return best
         y, state = _solver_step(solver, y, state, jax.tree.map(lambda each: scale * each, known))
         if bool(state.terminate):

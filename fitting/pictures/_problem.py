@@ -16,14 +16,16 @@ from .._bounds import AbstractBounds
 from .._parameters import Slot, split
 from .._priors import AbstractPrior
 from .._target import AbstractTarget
-from ._picture_target import PictureTarget
 
 
 class PictureProblem(eqx.Module):
-    """Residuals of a flat vector of free numbers."""
+    """Residuals of a flat vector of free numbers.
+
+    **Arguments:** `model`: answers `picture(size, method)`; `target`: has a `size` and answers `residuals(picture)`.
+    """
 
     model: Any
-    target: PictureTarget
+    target: Any
     beside: tuple[AbstractTarget, ...]
     priors: tuple[AbstractPrior | None, ...]
     slots: tuple[Slot, ...] = eqx.field(static=True)
@@ -57,7 +59,7 @@ class PictureProblem(eqx.Module):
                 parts.append(prior.residual(part).ravel())
         return jnp.concatenate(parts)
 
-    def against(self, target: PictureTarget) -> "PictureProblem":
+    def against(self, target: Any) -> "PictureProblem":
         """The same with another target."""
         return replace(self, target=target)
 

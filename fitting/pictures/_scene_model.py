@@ -13,7 +13,7 @@ from jaxocean._types import Scalar
 from jaxocean.optics import AbstractFoam, AbstractWater, Foam, Shading, Water
 from jaxocean.optics.sky import AbstractSky, HosekWilkie
 from jaxocean.render import Camera, Raster, Rays, render
-from jaxocean.surface import Cascade, realise
+from jaxocean.surface import Cascade, Fields, realise
 
 from .._slopes import Slopes
 from .._spectral_model import ElfouhailySea, SpectralModel
@@ -35,7 +35,11 @@ class SceneModel(eqx.Module):
     | `exposure` | stops | 0 | the picture is 2^exposure times the radiance |
     | `time` | s | 0 | |
 
-    **Arguments:** the leaves above, and `cascade`: sizes, bands, resolution.
+    **Arguments:** the leaves above, and
+
+    - `cascade`: sizes, bands, resolution.
+    - `afloat`: whether the camera rides on the water, as on a buoy: its position then counts from the piece of water
+      that rests at the origin, wherever the waves have moved that.
 
     **Raises:** `ValueError` for noise that does not fit the cascade, or leaves that make no sense.
     """
@@ -58,6 +62,7 @@ class SceneModel(eqx.Module):
     shading: Shading = eqx.field(default_factory=Shading, kw_only=True)
     exposure: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
     time: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
+    afloat: bool = eqx.field(static=True, default=False, kw_only=True)
 
     def __check_init__(self) -> None:
         check_kind("wind", self.wind, Wind, "a `Wind`")
@@ -115,6 +120,12 @@ class SceneModel(eqx.Module):
 
         **Raises:** what `render` raises.
         """
-        scene = self.computed()
-        image = render(self.ocean(), scene.camera, scene.time, size, method=method)
-        return image * jnp.exp2(scene.exposure)
+        scene, ocean = self.computed(), self.ocean()
+        camera = _on_the_water(scene.camera, ocean.fields(scene.time)) if self.afloat else scene.camera
+        return render(ocean, camera, scene.time, size, method=method) * jnp.exp2(scene.exposure)
+
+
+def _on_the_water(camera: Camera, fields: Fields) -> Camera:
+    """The camera moved as the water at the origin is."""
+    moved = jnp.sum(fields.displacement[:, 0, 0], axis=0), jnp.sum(fields.height[:, 0, 0], keepdims=True)
+    return eqx.tree_at(lambda c: c.position, camera, camera.position + jnp.concatenate(moved))

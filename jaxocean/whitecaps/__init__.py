@@ -18,6 +18,7 @@ from ._realised import realised_coverage as realised_coverage
 from ._statistics import StrainStatistics as StrainStatistics
 from ._statistics import strain_covariance as strain_covariance
 from ._statistics import strain_statistics as strain_statistics
+from ._threshold import breaking_threshold as breaking_threshold
 from ._two_channels import AbstractTwoChannelClosure as AbstractTwoChannelClosure
 from ._two_channels import PrintedTwoChannelClosure as PrintedTwoChannelClosure
 from ._two_channels import ProgramTwoChannelClosure as ProgramTwoChannelClosure

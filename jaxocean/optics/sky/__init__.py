@@ -2,6 +2,7 @@
 
 from ._abstract import AbstractSky as AbstractSky
 from ._bake import bake as bake
+from ._cloudy import CloudySky as CloudySky
 from ._constant import ConstantSky as ConstantSky
 from ._hosek_wilkie import HosekWilkie as HosekWilkie
 from ._image import ImageSky as ImageSky

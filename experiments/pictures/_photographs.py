@@ -1,0 +1,252 @@
+"""What experiments on photographs share: how an image is read, what is sought, and what is not known besides."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from PIL import Image
+
+import jaxocean as jo
+from fitting import ElfouhailySea, FitError, Interval, LogNormal, Parameter
+from fitting.pictures import (
+    Lesson,
+    Photograph,
+    PhotographFit,
+    SceneModel,
+    UncertainSea,
+    find_horizon,
+    fit_photograph,
+)
+from jaxocean.io import read_image
+from jaxocean.optics.sky import CloudySky, HosekWilkie
+from jaxocean.render import Camera, Raster
+
+from .. import schema
+from ..common import _build
+from ..harness._errors import UserError
+
+SMALLEST = 64
+"""Least rows and columns [pixels] of an image."""
+
+FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
+UNITS = ("m/s", "rad", "rad", "-")
+WIND = "speed"
+
+HIGHEST_SUN = 1.45
+TURBIDITY, CHLOROPHYLL, OPEN, BLUR = 3.5, 0.15, 0.3, 0.07
+WAVE_AGE = 1.05
+"""Ω [-]: most seas are still growing a little."""
+
+
+def free(config: schema.InferenceConfig) -> list[Parameter]:
+    """What is sought, in the order of `FREE`, with what is known of it before."""
+    return [
+        Parameter(lambda m: m.scene.wind.speed, prior=LogNormal(config.median_wind, config.wind_spread)),
+        Parameter(lambda m: m.scene.sky.clear.sun_elevation, bounds=Interval(0.05, HIGHEST_SUN)),
+        Parameter(lambda m: m.scene.sky.clear.sun_azimuth),
+        Parameter(lambda m: m.scene.sky.cover),
+    ]
+
+
+def vary(photograph: Photograph, key) -> Photograph:
+    """The same with what is neither known nor sought drawn at random.
+
+    | number | distribution |
+    |---|---|
+    | direction of wind and waves, from the camera | any |
+    | Ω | 1.05 within a factor e^±0.22 |
+    | waves of all lengths, and short ones by a power of k | e^±0.2, ± 0.22, see `UncertainSea` |
+    | swell | \\|N(0, 0.8)\\| m of 11 ± 1.5 s from anywhere |
+    | coverage over the law's | 10^±0.2 |
+    | λ | 1 ± 0.12 |
+    | turbidity, chlorophyll | 3.5 within e^±0.4, 0.15 mg/m³ within e^±0.8 |
+    | blur and contrast of the camera | 0.07 ± 0.07, e^±0.15 |
+    """
+    normal = jax.random.normal(jax.random.fold_in(key, 0), (11,), jnp.float32)
+    turns = jax.random.uniform(jax.random.fold_in(key, 1), (2,), jnp.float32, -np.pi, np.pi)
+    drawn = {
+        lambda m: m.scene.wind.direction: turns[0],
+        lambda m: m.scene.spectrum.wind_sea.inverse_wave_age: WAVE_AGE * jnp.exp(0.22 * normal[0]),
+        lambda m: m.scene.spectrum.level: 0.2 * normal[1],
+        lambda m: m.scene.spectrum.tilt: 0.22 * normal[2],
+        lambda m: m.scene.spectrum.swell_height: jnp.abs(0.8 * normal[3]),
+        lambda m: m.scene.spectrum.swell_period: 11 + 1.5 * jnp.clip(normal[4], -3.0, 3.0),
+        lambda m: m.scene.spectrum.swell_turn: turns[1],
+        lambda m: m.excess: 0.2 * normal[5],
+        lambda m: m.scene.choppiness: 1 + 0.12 * normal[6],
+        lambda m: m.scene.sky.clear.turbidity: jnp.clip(TURBIDITY * jnp.exp(0.4 * normal[7]), 1.5, 9.0),
+        lambda m: m.scene.water.chlorophyll: CHLOROPHYLL * jnp.exp(0.8 * normal[8]),
+        lambda m: m.blur: BLUR * (1 + normal[9]),
+        lambda m: m.contrast: jnp.exp(0.15 * normal[10]),
+    }
+    return eqx.tree_at(lambda m: [where(m) for where in drawn], photograph, list(drawn.values()))
+
+
+def start(
+    camera: Camera, config: schema.PhotographCameraConfig, patterns: schema.CascadeConfig, seed: int
+) -> Photograph:
+    """The middle of what is expected."""
+    cascade = _build.cascade(patterns)
+    scene = SceneModel(
+        jo.Wind(8.0, 0.0),
+        camera,
+        cascade=cascade,
+        noise=jo.surface.draw_noise(cascade, key=jax.random.key(seed)),
+        breaking_wavenumber=float(cascade.wavenumber_limit),
+        spectrum=UncertainSea(ElfouhailySea(WAVE_AGE)),
+        sky=CloudySky(HosekWilkie(TURBIDITY, sun_elevation=0.7), OPEN),
+        water=jo.optics.Water(CHLOROPHYLL),
+        afloat=config.afloat,
+    )
+    return Photograph(scene, blur=BLUR)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """An image made ready: `light`, linear, and `mask`, both reduced; `camera`; `shown`: the image as it came."""
+
+    light: np.ndarray
+    mask: np.ndarray | None
+    camera: Camera
+    shown: np.ndarray
+
+
+def taken(
+    image: Path, mask: Path | None, config: schema.PhotographCameraConfig, rows: int, key: str = "image"
+) -> Taken:
+    """Read an image, and where its camera looked.
+
+    **Raises:** `UserError` for what is no colour image of the sea.
+    """
+    light = _read(image, key)
+    height, width, _ = light.shape
+    if min(height, width) < SMALLEST:
+        raise UserError(
+            f"Key `{key}`: `{image}` must have at least {SMALLEST}×{SMALLEST} pixels, but has {width}×{height}: give "
+            "a larger one."
+        )
+    if not np.all(np.isfinite(light)):
+        raise UserError(
+            f"Key `{key}`: `{image}` holds light that is not finite: fill what is unknown and mask it."
+        )
+    if float(np.max(np.abs(light - light.mean(axis=-1, keepdims=True)))) < 1e-3 * max(
+        float(light.max()), 1e-9
+    ):
+        raise UserError(
+            f"Key `{key}`: `{image}` is grey, and the horizon is found by colour too: give the colour image."
+        )
+    seen = None if mask is None else _mask(mask, image, (height, width))
+    view = config.vertical(height, width)
+    if config.pitch is None or config.roll is None:
+        try:
+            pitch, roll = find_horizon(light, seen).angles(view)
+        except FitError as problem:
+            raise UserError(
+                f"Key `{key}`: `{image}` shows no horizon: give `camera.pitch` and `camera.roll`, or a `mask` of what "
+                "hides it."
+            ) from problem
+    else:
+        pitch, roll = config.pitch, config.roll
+    camera = Camera((0.0, 0.0, config.height), pitch=float(pitch), roll=float(roll), field_of_view=view)
+    columns = max(2 * round(rows * width / height / 2), 2)
+    reduced = None if seen is None else _reduced(seen[..., None], rows, columns)[..., 0]
+    return Taken(_reduced(light, rows, columns), reduced, camera, light)
+
+
+def _read(path: Path, key: str) -> np.ndarray:
+    try:
+        return np.asarray(read_image(path.expanduser()), np.float32)
+    except FileNotFoundError as problem:
+        raise UserError(f"Key `{key}`: there is no file `{path}`.") from problem
+    except (ValueError, OSError) as problem:
+        raise UserError(f"Key `{key}`: {problem}") from problem
+
+
+def _mask(path: Path, image: Path, size: tuple[int, int]) -> np.ndarray:
+    light = _read(path, "mask").mean(axis=-1)
+    if light.shape != size:
+        raise UserError(
+            f"Key `mask`: `{path}` must have the {size[1]}×{size[0]} pixels of `{image}`, but has "
+            f"{light.shape[1]}×{light.shape[0]}."
+        )
+    seen = (light > 0.2).astype(np.float32)
+    if not np.any(seen):
+        raise UserError(f"Key `mask`: `{path}` hides the whole image: paint white what counts.")
+    return seen
+
+
+def _reduced(planes: np.ndarray, rows: int, columns: int) -> np.ndarray:
+    """Means over the area of each new pixel."""
+    size = columns, rows
+    parts = [
+        np.asarray(Image.fromarray(np.ascontiguousarray(planes[..., i])).resize(size, Image.Resampling.BOX))
+        for i in range(planes.shape[-1])
+    ]
+    return np.stack(parts, axis=-1).astype(np.float32)
+
+
+def fit(
+    image: Taken,
+    camera: schema.PhotographCameraConfig,
+    patterns: schema.CascadeConfig,
+    config: schema.InferenceConfig,
+    seed: int,
+    **options,
+) -> PhotographFit:
+    """Wind and light of an image; `options` as for `fit_photograph`."""
+    return fit_photograph(
+        start(image.camera, camera, patterns, seed),
+        free(config),
+        image.light,
+        mask=image.mask,
+        vary=vary,
+        scouts=config.scouts,
+        seas=config.seas,
+        most_steps=config.steps,
+        seed=seed,
+        **options,
+    )
+
+
+def with_values(photograph: Photograph, values: Mapping[str, float]) -> Photograph:
+    """The state with numbers that were found in it."""
+    sky = lambda m: m.scene.sky
+    places = {
+        WIND: lambda m: m.scene.wind.speed,
+        "sun_elevation": lambda m: sky(m).clear.sun_elevation,
+        "sun_azimuth": lambda m: sky(m).clear.sun_azimuth,
+        "cover": lambda m: sky(m).cover,
+    }
+    return eqx.tree_at(
+        lambda m: [places[name](m) for name in values],
+        photograph,
+        [jnp.asarray(value, jnp.float32) for value in values.values()],
+    )
+
+
+@eqx.filter_jit
+def drawn(photograph: Photograph, size: tuple[int, int]) -> jax.Array:
+    """A picture of a state, to be looked at."""
+    return photograph.picture(size, Raster(1.0))
+
+
+def save_lesson(path: Path, lesson: Lesson) -> None:
+    """Keep what scouts taught; the file appears whole."""
+    partial = path.with_suffix(".part.npz")
+    summaries = lesson.summaries
+    np.savez(
+        partial, middle=summaries.middle, scale=summaries.scale, weights=summaries.weights, told=lesson.told
+    )
+    partial.rename(path)
+
+
+def read_lesson(path: Path) -> Lesson | None:
+    """What an interrupted run has learned, or None."""
+    if not path.is_file():
+        return None
+    with np.load(path, allow_pickle=False) as kept:
+        return Lesson.of(kept["middle"], kept["scale"], kept["weights"], kept["told"])

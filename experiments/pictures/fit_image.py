@@ -1,0 +1,106 @@
+"""`fit_image`: the wind and the light from one photograph of the sea, with an interval."""
+
+from pathlib import Path
+
+import jax
+import numpy as np
+
+from fitting import FitError
+from fitting.pictures import PhotographFit, PictureStep
+
+from .. import schema
+from ..harness import _records
+from ..harness._errors import Interrupted, UserError
+from ..harness._files import Files
+from ..harness._progress import Reporter
+from ..harness._result import Result
+from . import _image_report, _image_views, _photographs, _unknown_scenes
+
+FRAMES = 6
+"""Steps of the filmstrip, at most."""
+
+
+def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Result:
+    """Fit an image; see `schema.FitImageConfig`."""
+    truth = None
+    if config.image is None:
+        progress.step("Drawing a picture, since none is given")
+        taken, truth = _made(config)
+    else:
+        progress.step("Reading the image")
+        mask = None if config.mask is None else Path(config.mask)
+        taken = _photographs.taken(Path(config.image), mask, config.camera, config.inference.rows)
+    try:
+        found = _fitted(config, taken, progress, store)
+    except KeyboardInterrupt:
+        raise Interrupted(
+            "Interrupted: what is learned and the steps so far are kept, and the same command goes on from there."
+        ) from None
+    except (FitError, ValueError) as problem:
+        raise UserError(f"Key `image`: {problem}") from problem
+    progress.step("Drawing what was found")
+    _image_views.plot(store, config, taken, found)
+    _image_views.strip(store, taken, _frames(found), found)
+    _image_views.plot_statistics(store, found)
+    _image_views.save(store, found)
+    result = _image_report.result(config, found, truth)
+    store.text("report.md", _image_report.report(config, found, taken, result, truth))
+    return result
+
+
+def _made(config: schema.FitImageConfig) -> tuple[_photographs.Taken, float]:
+    """A picture of a sea, and its wind."""
+    known = schema.UnknownSeasConfig(seed=config.seed, inference=config.inference)
+    state = _unknown_scenes.draw(known, 0)
+    columns = _unknown_scenes.columns(config.inference.rows)
+    light = np.asarray(_unknown_scenes.picture(state, (config.inference.rows, columns), known.detail))
+    return _photographs.Taken(light, None, state.scene.camera, light), float(state.scene.wind.speed)
+
+
+def _fitted(
+    config: schema.FitImageConfig, taken: _photographs.Taken, progress: Reporter, store: Files
+) -> PhotographFit:
+    """The fit, from where an interrupted one left off."""
+    kept, learned = store.unfinished() / "steps.jsonl", store.unfinished() / "lesson.npz"
+    before = _records.read(kept)
+    lesson = _photographs.read_lesson(learned)
+    advance = progress.count(
+        "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // 64)
+    )
+
+    def report(step: PictureStep) -> None:
+        values = {name: float(np.asarray(value)) for name, value in step.values.items()}
+        _records.append(kept, {"cost": step.cost, "values": values})
+        wind = f"U10 {values[_photographs.WIND]:.2f} m/s"
+        progress.step(
+            f"Step {step.number}: {wind}, cost {step.cost:.3g}; the first compiles, for a minute or two"
+        )
+
+    def taught(lesson) -> None:
+        _photographs.save_lesson(learned, lesson)
+        progress.step("Going down; the first step compiles, for a minute or two")
+
+    return _photographs.fit(
+        taken,
+        config.camera,
+        config.cascade,
+        config.inference,
+        config.seed,
+        lesson=lesson,
+        begin=before[-1]["values"] if before and lesson is not None else None,
+        report=report,
+        scouted=advance,
+        taught=taught,
+    )
+
+
+def _frames(found: PhotographFit) -> list[tuple[str, np.ndarray]]:
+    """Pictures of some steps of the way, with the same waves, the last one what was found."""
+    chosen = np.unique(np.linspace(0, len(found.steps) - 1, FRAMES).round().astype(int))
+    rows, columns = found.size
+    frames = []
+    for number in chosen:
+        values = found.steps[number].values
+        picture = _photographs.drawn(found.at(values), (2 * rows, 2 * columns))
+        frames.append((f"step {number}: {float(np.asarray(values[_photographs.WIND])):.1f} m/s", picture))
+    return [(title, np.asarray(picture)) for title, picture in jax.block_until_ready(frames)]

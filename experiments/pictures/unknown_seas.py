@@ -1,0 +1,138 @@
+"""`unknown_seas`: winds from pictures of seas whose waves are not known, and whether their intervals can be trusted."""
+
+from dataclasses import asdict
+
+import jax
+import numpy as np
+
+from fitting import FitError
+
+from .. import schema
+from ..common._markdown import page
+from ..harness import _records
+from ..harness._errors import Interrupted
+from ..harness._files import Files
+from ..harness._progress import Reporter
+from ..harness._result import Result
+from . import _image_views, _photographs, _unknown_scenes, _winds
+
+SHOWN = 4
+"""Seas whose pictures are shown."""
+
+
+def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> Result:
+    """Look for all winds; see `schema.UnknownSeasConfig`."""
+    kept, learned = store.unfinished() / "inferred.jsonl", store.unfinished() / "lesson.npz"
+    done = {record["number"]: record for record in _records.read(kept)}
+    advance = progress.count("Winds looked for; the first learns and compiles, for minutes", config.count)
+    try:
+        for number in range(config.count):
+            if number not in done:
+                done[number] = _infer(config, number, learned)
+                _records.append(kept, done[number])
+            advance()
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"Interrupted: {len(done)} of {config.count} seas are kept, and the same command goes on with the others."
+        ) from None
+    inferred = [_winds.Inferred(**done[number]["inferred"]) for number in range(config.count)]
+    progress.step("Drawing")
+    level = config.inference.level
+    _winds.plot(store, inferred, level, labels=False)
+    _winds.save(store, inferred, "Winds found in pictures of seas whose waves are not known")
+    _show(store, config, [done[number] for number in range(config.count)])
+    found = _winds.scores(inferred)
+    tables = _winds.score_table(found, level), _winds.wind_table(inferred, "sea", level)
+    values = {
+        "seas": len(inferred),
+        "failed": sum(bool(each.failure) for each in inferred),
+        "median_error": float(np.expm1(found[0].median_error)),
+        "interval_coverage": found[0].holding,
+        "rank_correlation": found[0].rank,
+        "bias": found[0].bias,
+        "median_error_of_the_regression": float(np.expm1(found[1].median_error)),
+        "seconds_median": float(np.median([each.seconds for each in inferred])),
+    }
+    result = Result(values=values, tables=tables)
+    store.text("report.md", _report(config, result))
+    return result
+
+
+def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
+    state = _unknown_scenes.draw(config, number)
+    image = _taken(config, number)
+    true = float(state.scene.wind.speed)
+    foam = _winds.bright_share(image.light, image.camera, None)
+    values, inferred = {}, None
+    try:
+        fit = _photographs.fit(
+            image,
+            config.camera,
+            config.cascade,
+            config.inference,
+            config.seed,
+            lesson=_photographs.read_lesson(learned),
+            taught=lambda lesson: _photographs.save_lesson(learned, lesson),
+        )
+        values = fit.values
+        inferred = _winds.Inferred.of(str(number), true, fit, config.inference.level, foam)
+    except FitError as problem:
+        nothing = float("nan")
+        inferred = _winds.Inferred(
+            str(number), true, nothing, nothing, nothing, nothing, nothing, foam, nothing, str(problem)
+        )
+    return {"number": number, "inferred": asdict(inferred), "values": values}
+
+
+def _taken(config: schema.UnknownSeasConfig, number: int) -> _photographs.Taken:
+    """The picture of a sea."""
+    state = _unknown_scenes.draw(config, number)
+    size = config.inference.rows, _unknown_scenes.columns(config.inference.rows)
+    light = np.asarray(_unknown_scenes.picture(state, size, config.detail))
+    return _photographs.Taken(light, None, state.scene.camera, light)
+
+
+def _show(store: Files, config: schema.UnknownSeasConfig, records: list[dict]) -> None:
+    """`pictures.png`: some pictures, and beside each a sea of the state found."""
+    found = [record for record in records if not record["inferred"]["failure"]]
+    chosen = (
+        [found[i] for i in np.unique(np.linspace(0, len(found) - 1, SHOWN).round().astype(int))]
+        if found
+        else []
+    )
+    parts = []
+    for record in chosen:
+        image = _taken(config, record["number"])
+        state = _photographs.with_values(
+            _photographs.start(image.camera, config.camera, config.cascade, config.seed), record["values"]
+        )
+        size = 2 * config.inference.rows, 2 * image.light.shape[1]
+        picture = np.asarray(jax.block_until_ready(_photographs.drawn(state, size)))
+        true, wind = record["inferred"]["true"], record["inferred"]["found"]
+        parts.append(
+            (image.light, picture, (f"Picture, {true:.1f} m/s", f"A sea of the state found, {wind:.1f} m/s"))
+        )
+    _image_views.pairs(store, parts)
+
+
+def _report(config: schema.UnknownSeasConfig, result: Result) -> str:
+    v = result.values
+    level = 100 * config.inference.level
+    words = [
+        f"**The median error of U10 is {100 * v['median_error']:.0f} %** over {v['seas']} seas of "
+        f"{config.lowest_wind:g} to {config.highest_wind:g} m/s, and {100 * v['interval_coverage']:.0f} % of the "
+        f"{level:g} % intervals hold the truth. The regression with which the fit begins has "
+        f"{100 * v['median_error_of_the_regression']:.0f} %.",
+        f"The pictures are of JONSWAP seas, drawn by rays with {config.detail}² times as many pixels and averaged; "
+        "the fit knows another family of spectra, other waves, and draws a mesh. Sun, clouds, direction, age of the "
+        "sea, λ, haze, water and coverage are unknown to it. A fit takes "
+        f"{v['seconds_median']:.0f} s in the median.",
+        "![Pictures, and what was found in them](pictures.png)",
+    ]
+    return page(
+        "Winds from pictures of unknown waves",
+        words,
+        result.tables,
+        picture="winds",
+        setting=f"seed {config.seed}",
+    )

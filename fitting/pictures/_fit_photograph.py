@@ -1,0 +1,339 @@
+"""Find the state of a sea from a photograph whose waves are unknown."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxocean._numerics import check_kind
+from jaxocean.render import Raster, Rays
+
+from .._bounds import Real
+from .._errors import FitError
+from .._parameters import Parameter, Slot, attach_priors, resolve
+from .._priors import AbstractPrior
+from ._descent import PictureStep, descend
+from ._image_statistics import ImageStatistics
+from ._photograph import Photograph
+from ._picture_target import Image, Mask
+from ._problem import PictureProblem
+from ._statistics_target import Seas, StatisticsTarget, Vary, drawn_statistics
+from ._summaries import Lesson, Summaries, learn
+
+DRAWN = 64
+"""Pictures of a state from which the chance of its statistics is known."""
+
+TELLING = 0.1
+"""Least share of a goal's variance that its summary must tell to count."""
+
+GAIN = 0.05
+"""Least gain in half a χ² that is worth a step."""
+
+ROUNDS = 2
+"""How often it goes down, each time with the chance of the state found before."""
+
+Free = Callable | Parameter | Sequence[Callable | Parameter]
+
+
+@dataclass(frozen=True)
+class PhotographFit:
+    """A state of the sea and its light that explains the statistics of a photograph.
+
+    - `values`, `errors`: of the free leaves by name; `covariance` of all free numbers (`labels`) on the real line of
+      their bounds, where they are nearly normal; see `interval`.
+    - `guess`: the values that a regression alone gives, where the way down began.
+    - `names`, `observed`, `predicted`, `chance`: the statistics of the photograph, their mean over pictures of the
+      state found, and their standard deviation from one picture to the next.
+    - `misfit`: mean square of (observed − predicted)/chance over the statistics that count. Where it is above 1 the
+      model does not explain the photograph, and the errors are larger by its root.
+    - `steps`: of the way down; `model`: the state found, with the noise that it came with; `lesson`: for photographs of
+      the same camera.
+    """
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    guess: dict[str, float]
+    labels: tuple[str, ...]
+    covariance: Float[np.ndarray, "p p"]
+    names: tuple[str, ...]
+    observed: Float[np.ndarray, " m"]
+    predicted: Float[np.ndarray, " m"]
+    chance: Float[np.ndarray, " m"]
+    misfit: float
+    steps: tuple[PictureStep, ...]
+    seconds: float
+    model: Photograph
+    lesson: Lesson
+    size: tuple[int, int]
+    slots: tuple[Slot, ...]
+
+    def at(self, values: Mapping[str, Any]) -> Photograph:
+        """The state with other values of the free numbers, such as those of a step."""
+        leaves, structure = jax.tree.flatten(self.model)
+        for slot in self.slots:
+            leaves[slot.index] = jnp.asarray(values[slot.name], leaves[slot.index].dtype)
+        return structure.unflatten(leaves)
+
+    def interval(self, name: str, level: float = 0.9) -> tuple[float, float]:
+        """Between which two values a number lies with that probability.
+
+        **Raises:** `ValueError` for a number that was not free, or a level that is not between 0 and 1.
+        """
+        if name not in self.labels:
+            raise ValueError(f"Argument `name` must be one of {', '.join(self.labels)}, but is {name!r}.")
+        if not 0 < level < 1:
+            raise ValueError(f"Argument `level` must be between 0 and 1, but is {level:g}.")
+        place = self.labels.index(name)
+        bounds = self.slots[place].bounds
+        middle = bounds.unconstrain(jnp.asarray(self.values[name]))
+        half = NormalDist().inv_cdf(0.5 + 0.5 * level) * np.sqrt(self.covariance[place, place])
+        low, high = (float(bounds.constrain(middle + side * half)) for side in (-1, 1))
+        return low, high
+
+
+def fit_photograph(
+    photograph: Photograph,
+    free: Free,
+    image: Image,
+    *,
+    mask: Mask | None = None,
+    priors: Sequence[AbstractPrior] = (),
+    vary: Vary | None = None,
+    method: Raster | Rays | None = None,
+    detail: int = 2,
+    scouts: int = 1000,
+    seas: int = 8,
+    lesson: Lesson | None = None,
+    begin: Mapping[str, float] | None = None,
+    most_steps: int = 6,
+    seed: int = 0,
+    report: Callable[[PictureStep], None] | None = None,
+    scouted: Callable[[], None] | None = None,
+    taught: Callable[[Lesson], None] | None = None,
+) -> PhotographFit:
+    """Fit the state of a sea to a photograph of other waves than the model's: by what `ImageStatistics` say of it.
+
+    $$ \\min_θ ½\\, (\\bar η(θ) - η)^T Σ^{-1} (\\bar η(θ) - η) + ½ \\sum_p r_p(θ)² $$
+
+    Scouts, states from the priors with one picture each, teach a regression which combinations η of the statistics tell
+    the free numbers. The photograph's η then are data: they are compared with their mean over some seas of the state θ,
+    whose random numbers stay the same, and weighed by their covariance Σ over seas and over what `vary` draws (a
+    synthetic likelihood, Wood 2010). From what the regression says it goes down by Levenberg–Marquardt with the
+    derivatives of the pictures.
+
+    **Arguments:**
+
+    - `photograph`: where to begin; its camera is that of the image.
+    - `free`: which single numbers may change, as for `fitting.fit`. Scouts are drawn from their priors; angles without
+      a prior from the whole circle, others from within their bounds.
+    - `image`: linear light in any unit; `mask`: 0 where it shows something else.
+    - `priors`: as for `fitting.fit`.
+    - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
+    - `method`: how pixels find the sea, `Raster(2.0)` if None.
+    - `detail`: pictures are drawn with so many times the rows and columns and averaged, as a camera's are.
+    - `scouts`: how many; `seas`: how many are drawn for a mean.
+    - `lesson`: that of another fit with the same camera, size, mask and free numbers: it needs no scouts.
+    - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
+    - `most_steps`: of each of its two ways down.
+    - `seed`: of all random numbers.
+    - `report`: called with each step that lowers the cost; `scouted`: after each 64 scouts; `taught`: with what they
+      taught.
+
+    **Returns:** `PhotographFit`.
+
+    **Raises:** `ValueError` for arguments that make no sense; `FitError` if pictures or derivatives are not finite.
+    """
+    check_kind("photograph", photograph, Photograph, "a `Photograph`")
+    for name, least, number in (
+        ("detail", 1, detail),
+        ("seas", 1, seas),
+        ("scouts", 20, scouts),
+        ("most_steps", 1, most_steps),
+    ):
+        if number < least:
+            raise ValueError(f"Argument `{name}` must be at least {least}, but is {number}.")
+    began = time.perf_counter()
+    size = int(image.shape[0]), int(image.shape[1])
+    statistics = ImageStatistics(photograph.scene.camera, size, mask)
+    observed = np.asarray(
+        eqx.filter_jit(statistics)(jnp.asarray(image, photograph.scene.noise.real.dtype)), float
+    )
+    slots = attach_priors(photograph, resolve(photograph, free, 1), list(priors))
+    for slot, _ in slots:
+        if slot.shape:
+            raise ValueError(
+                f"Argument `free` must pick single numbers, but `{slot.name}` has shape {slot.shape}."
+            )
+    with jax.enable_x64(True):
+        problem = PictureProblem(
+            _seas(photograph, seas, seed, vary, detail),
+            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
+            (),
+            tuple(prior for _, prior in slots),
+            tuple(slot for slot, _ in slots),
+            Raster(2.0) if method is None else method,
+        )
+        if lesson is None:
+            lesson = _taught(problem, scouts, seed, scouted)
+            if taught is not None:
+                taught(lesson)
+        summaries, kept = lesson.summaries, lesson.told > TELLING
+        if not np.any(kept):
+            raise FitError(
+                "The statistics of the image tell nothing of the free numbers",
+                "a view of too little sea, or a mask that hides it",
+                "show more of the sea, or free other numbers",
+            )
+        aim = summaries(jnp.asarray(observed))
+        guess = jnp.asarray(_from_goals(problem, np.asarray(aim)))
+        free_values = guess if begin is None else _from_names(problem, begin)
+        steps: list[PictureStep] = []
+        for _ in range(ROUNDS):
+            around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
+            chances = np.asarray(summaries(jnp.asarray(around)))
+            target = StatisticsTarget(statistics, summaries, aim, _whitening(chances, kept))
+            problem = problem.against(target)
+            free_values, (_, jacobian) = descend(
+                problem, free_values, 1e-3, most_steps, 1, steps, report, GAIN
+            )
+        around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
+        predicted, chance = around.mean(axis=0), around.std(axis=0, ddof=1)
+        used = np.asarray(statistics.steady) & (chance > 1e-9)
+        misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
+        own = np.asarray(jacobian[: kept.sum()])
+        beside = np.asarray(jacobian[kept.sum() :])
+        # What data say is as uncertain as they are explained badly; priors stay what they are.
+        spread = max(misfit, 1.0) * (1 + 1 / seas)
+        covariance = np.linalg.pinv(own.T @ own / spread + beside.T @ beside, hermitian=True)
+        values = np.asarray(problem.constrain(free_values))
+        stretch = np.abs(np.asarray(problem.stretch(free_values)))
+        guessed = problem.named(np.asarray(problem.constrain(guess)))
+    return PhotographFit(
+        problem.named(values),
+        problem.named(np.sqrt(np.diag(covariance)) * stretch),
+        guessed,
+        tuple(slot.name for slot in problem.slots),
+        covariance,
+        statistics.names,
+        observed,
+        predicted,
+        chance,
+        misfit,
+        tuple(steps),
+        time.perf_counter() - began,
+        problem.put(values, as_given=True).photograph,
+        lesson,
+        size,
+        problem.slots,
+    )
+
+
+def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[], None] | None) -> Lesson:
+    random = np.random.default_rng(seed)
+    points = np.stack([_from_priors(problem, random) for _ in range(scouts)])
+    drawn = _at(problem, points, seed, scouted)
+    sound = np.all(np.isfinite(drawn), axis=1)
+    if np.mean(sound) < 0.5:
+        raise FitError(
+            "Most pictures of states from the priors are not finite",
+            "numbers that no scene has",
+            "give priors or bounds that hold only seas",
+        )
+    return learn(drawn[sound], _goals(problem, points[sound]), problem.target.statistics.steady)
+
+
+def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None, detail: int) -> Seas:
+    keys = jax.random.split(jax.random.key(seed + 1), count)
+    return Seas(photograph, photograph.noises(count, seed), keys, vary, detail)
+
+
+def _at(
+    problem: PictureProblem, points: np.ndarray, seed: int, advance: Callable[[], None] | None = None
+) -> np.ndarray:
+    """Statistics of a picture at each point, each of a sea of its own: the same at the same place in a series."""
+    found = []
+    # So many at a time that all pictures are drawn by one program.
+    for part in range(0, len(points), DRAWN):
+        some = points[part : part + DRAWN]
+        whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
+        drawn = _seas(problem.model.photograph, DRAWN, seed + 2 + part, None, 1)
+        rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
+        found.append(np.asarray(rows, float)[: len(some)])
+        if advance is not None:
+            advance()
+    return np.concatenate(found)
+
+
+def _nothing(statistics: ImageStatistics) -> Summaries:
+    """In the place of what is not yet learned."""
+    count = len(statistics.names)
+    return Summaries(jnp.zeros(count), jnp.ones(count), jnp.zeros((2 * count + 1, 1)))
+
+
+def _whitening(drawn: Float[np.ndarray, "sea q"], kept: np.ndarray) -> Array:
+    """W with WᵀW = Σ⁻¹ for the summaries that are kept."""
+    covariance = np.atleast_2d(np.cov(drawn[:, kept].T))
+    found = np.linalg.inv(
+        np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
+    )
+    whole = np.zeros((len(found), drawn.shape[1]))
+    whole[:, kept] = found
+    return jnp.asarray(whole)
+
+
+def _turns(slot: Slot) -> bool:
+    """Whether a number is an angle on the whole circle."""
+    return slot.unit == "rad" and isinstance(slot.bounds, Real)
+
+
+def _from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[np.ndarray, " p"]:
+    """One state, on the real line of the bounds."""
+    values = []
+    for slot, prior, start in zip(problem.slots, problem.priors, np.asarray(problem.start()), strict=True):
+        normal = jnp.asarray(random.normal())
+        if prior is not None:
+            value = slot.bounds.unconstrain(prior.draw(normal))
+        elif _turns(slot):
+            value = random.uniform(-np.pi, np.pi)
+        else:
+            value = slot.bounds.unconstrain(
+                slot.bounds.draw(normal, slot.bounds.constrain(jnp.asarray(start)))
+            )
+        values.append(float(value))
+    return np.asarray(values)
+
+
+def _from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:
+    """The state with these numbers."""
+    names = [slot.name for slot in problem.slots]
+    if sorted(values) != sorted(names):
+        raise ValueError(f"Argument `begin` must name {', '.join(names)}, but names {', '.join(values)}.")
+    return problem.unconstrain(jnp.asarray([float(values[name]) for name in names]))
+
+
+def _goals(problem: PictureProblem, points: Float[np.ndarray, "scout p"]) -> Float[np.ndarray, "scout q"]:
+    """What summaries shall tell of each state: its numbers, and of angles sine and cosine."""
+    columns = []
+    for slot, own in zip(problem.slots, points.T, strict=True):
+        columns += [np.cos(own), np.sin(own)] if _turns(slot) else [own]
+    return np.stack(columns, axis=1)
+
+
+def _from_goals(problem: PictureProblem, goals: Float[np.ndarray, " q"]) -> Float[np.ndarray, " p"]:
+    """The state of which summaries tell."""
+    values, place = [], 0
+    for slot in problem.slots:
+        if _turns(slot):
+            values.append(np.arctan2(goals[place + 1], goals[place]))
+            place += 2
+        else:
+            values.append(goals[place])
+            place += 1
+    return np.asarray(values)

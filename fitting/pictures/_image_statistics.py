@@ -1,0 +1,218 @@
+"""What a picture of the sea says without regard to where each wave is."""
+
+import itertools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from jaxocean._numerics import check_kind
+from jaxocean._types import Scalar
+from jaxocean.optics import luminance
+from jaxocean.render import Camera
+
+from ._picture_target import Mask
+
+EDGES = np.radians([0.6, 2.0, 5.0, 10.0, 18.0])
+"""Between the bands, how far below the horizon [rad]: for an eye at 4 m from 380 m to 12 m away."""
+
+SKY = np.radians([-4.0, -0.5])
+"""The band above the horizon [rad]."""
+
+SOFTNESS = 0.15
+"""Of the bands' edges, in the logarithm of the angle below the horizon."""
+
+OCTAVES = 4
+"""Squares of 1, 2, 4 and 8 pixels, of which neighbours are compared along the horizon; across it one size fewer."""
+
+DARKEST = 0.05
+"""Light [medians] that is added before logarithms: a black pixel says no more than a dark one."""
+
+BRIGHT = 3.0
+"""Robust standard deviations above the middle of its band at which a pixel begins to count as bright."""
+
+FOAMY = np.log(2.0)
+"""Logarithm of the light over that of its band at which a pixel counts as foam or glitter in any case."""
+
+FEW = 3e-4
+"""Share of pixels that is added before logarithms."""
+
+PATCH = 16.0
+"""Pixels that are alike by being neighbours: how many fewer tell a threshold than there are."""
+
+THIRDS = 3
+"""Parts of the width whose light is compared."""
+
+
+class ImageStatistics(eqx.Module):
+    """Numbers of a picture that depend on the sea's state and the light, and on the random waves only by chance.
+
+    In bands between `EDGES` below the horizon, of ℓ = log(Y/median + 0.05) with the luminance Y:
+
+    | names | what they are |
+    |---|---|
+    | `level` | mean ℓ of the band less that of the whole sea |
+    | `spread` | ½ log of its variance |
+    | `bright` | log share of pixels above a robust threshold t = m + 3 s |
+    | `foam` | log share of pixels twice as bright as the middle of the band |
+    | `colour`, `bright colour` | mean log(red/blue) less that of the sea; of bright pixels less that of their band |
+    | `along`, `across` | texture: ½ log mean square difference of neighbouring squares of 1, 2, 4, 8 pixels |
+    | `glitter width` | log standard deviation [rad] from side to side of what is brighter than the middle |
+    | `left`, `middle` | how light changes from side to side |
+    | `relief` | ½ log variance from column to column just above the horizon, where crests stand |
+    | `sky`, `sky colour` | mean ℓ and log(red/blue) above the horizon less those of the sea |
+
+    Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; the farthest band has none.
+    The glitter and the sides are of the farther and of the nearer half.
+
+    Middle m and deviation s are robust (Tukey's biweight), so that whitecaps do not lift the threshold that finds them;
+    a pixel counts by a soft step as wide as the threshold itself is uncertain, s √(1/n + 9/2n) with n patches of 4×4
+    pixels. All are differentiable, and none knows the exposure. Colours and the sky depend on the white balance and on
+    where clouds are; `steady` says which numbers do not.
+
+    **Arguments:** `camera`: pitch, roll and field of view say where the bands lie; `size`: rows and columns; `mask`:
+    what each pixel counts, 0 to 1.
+
+    **Raises:** `ValueError` for a camera that sees no sea, or a mask of another size.
+    """
+
+    bands: Float[Array, "band rows columns"]
+    above: Float[Array, "rows columns"]
+    sideways: Float[Array, "rows columns"]
+    size: tuple[int, int] = eqx.field(static=True)
+
+    def __init__(self, camera: Camera, size: tuple[int, int], mask: Mask | None = None) -> None:
+        check_kind("camera", camera, Camera, "a `Camera`")
+        rays = camera.rays(size).astype(jnp.float32)
+        below = jnp.arcsin(jnp.clip(-rays[..., 2], -1.0, 1.0))
+        seen = jnp.ones(size, jnp.float32) if mask is None else jnp.asarray(mask, jnp.float32)
+        if seen.shape != tuple(size):
+            raise ValueError(
+                f"Argument `mask` must have the {size[0]}×{size[1]} pixels of the image, but has "
+                f"{'×'.join(map(str, seen.shape))}."
+            )
+        deep = jnp.log(jnp.maximum(below, 1e-4))
+        steps = [jax.nn.sigmoid((deep - float(np.log(edge))) / SOFTNESS) for edge in EDGES]
+        self.bands = jnp.stack([seen * inner * (1 - outer) for inner, outer in itertools.pairwise(steps)])
+        self.above = seen * ((below > float(SKY[0])) & (below < float(SKY[1])))
+        axes = camera.axes().astype(jnp.float32)
+        along, ahead = (jnp.einsum("rci,i->rc", rays, axes[i]) for i in (0, 2))
+        self.sideways = jnp.arctan2(along, jnp.maximum(ahead, 1e-6))
+        self.size = size
+        if float(jnp.sum(self.bands)) < PATCH:
+            raise ValueError("Argument `camera` must see the sea, but hardly a pixel lies below the horizon.")
+
+    def __call__(self, image: Float[Array, "rows columns 3"]) -> Float[Array, " m"]:
+        """The numbers of a picture, in the order of `names`."""
+        return jnp.stack(list(self.named(image).values()))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each number is, and of which band; band 1 is the farthest."""
+        picture = jax.ShapeDtypeStruct((*self.size, 3), jnp.float32)
+        return tuple(name.split(" ", 1)[1] for name in jax.eval_shape(self.named, picture))
+
+    @property
+    def steady(self) -> tuple[bool, ...]:
+        """Whether each number is the same under another white balance and beside other clouds."""
+        return tuple("colour" not in name and name != "sky" for name in self.names)
+
+    def named(self, image: Float[Array, "rows columns 3"]) -> dict[str, Scalar]:
+        """Each number by its place and its name."""
+        dtype = image.dtype
+        sea = jnp.sum(self.bands, axis=0).astype(dtype)
+        light = luminance(image)
+        middle = jnp.maximum(_mean(light, sea), jnp.finfo(dtype).tiny)
+        own = jnp.log(jnp.maximum(light, 0.0) / middle + DARKEST)
+        hue = jnp.log(
+            (jnp.maximum(image[..., 0], 0.0) + DARKEST * middle)
+            / (jnp.maximum(image[..., 2], 0.0) + DARKEST * middle)
+        )
+        whole, tint = _mean(own, sea), _mean(hue, sea)
+        found: dict[str, Scalar] = {}
+
+        def add(name: str, value: Scalar) -> None:
+            found[f"{len(found):03d} {name}"] = value
+
+        for number, band in enumerate(self.bands.astype(dtype), start=1):
+            at = f"in band {number}"
+            mean = _mean(own, band)
+            variance = _mean((own - mean) ** 2, band)
+            centre, deviation = _robust(own, band)
+            count = jnp.maximum(jnp.sum(band) / PATCH, 1.0)
+            unsure = deviation * jnp.sqrt((1 + 0.5 * BRIGHT**2) / count)
+            bright = jax.nn.sigmoid((own - centre - BRIGHT * deviation) / unsure)
+            share = _mean(bright, band)
+            add(f"level {at}", mean - whole)
+            add(f"spread {at}", 0.5 * jnp.log(variance + 1e-5))
+            add(f"bright {at}", jnp.log(share + FEW))
+            add(f"foam {at}", jnp.log(_mean(jax.nn.sigmoid((own - centre - FOAMY) / 0.15), band) + FEW))
+            add(f"colour {at}", _mean(hue, band) - tint)
+            # Of few bright pixels the colour is chance: a share of `FEW` draws it to that of the band.
+            tinted = _mean(bright * (hue - _mean(hue, band)), band) / (share + 0.01)
+            add(f"bright colour {at}", tinted)
+            # What the farthest band shows as texture are single pixels: how a camera samples, not what it sees.
+            for octave in range(OCTAVES if number > 1 else 0):
+                add(f"along {2**octave} px {at}", _texture(own, band, 2**octave, 1))
+                if octave < OCTAVES - 1:
+                    add(f"across {2**octave} px {at}", _texture(own, band, 2**octave, 0))
+        halves = self.bands.shape[0] // 2
+        for name, half in (("far", self.bands[:halves]), ("near", self.bands[halves:])):
+            band = jnp.sum(half, axis=0).astype(dtype)
+            excess = band * jnp.maximum(
+                jnp.maximum(light, 0.0) / middle - jnp.exp(_robust(own, band)[0]), 0.0
+            )
+            aside = self.sideways.astype(dtype)
+            turn = _mean(aside, excess + 1e-3 * band)
+            add(
+                f"glitter width {name}",
+                0.5 * jnp.log(_mean((aside - turn) ** 2, excess + 1e-3 * band) + 1e-4),
+            )
+            columns = jnp.arange(image.shape[1]) * THIRDS // image.shape[1]
+            left, centre, right = (_mean(own, band * (columns == part)) for part in range(THIRDS))
+            add(f"left {name}", left - right)
+            add(f"middle {name}", centre - 0.5 * (left + right))
+        sky = self.above.astype(dtype)
+        columns = jnp.sum(own * sky, axis=0) / jnp.maximum(jnp.sum(sky, axis=0), 1e-3)
+        add("relief", 0.5 * jnp.log(jnp.mean((columns[1:] - columns[:-1]) ** 2) + 1e-5))
+        add("sky", jnp.where(jnp.sum(sky) > PATCH, _mean(own, sky) - whole, 0.0))
+        add("sky colour", jnp.where(jnp.sum(sky) > PATCH, _mean(hue, sky) - tint, 0.0))
+        return found
+
+
+def _mean(values: Float[Array, "y x"], weights: Float[Array, "y x"]) -> Scalar:
+    """0 where nothing counts."""
+    return jnp.sum(values * weights) / jnp.maximum(jnp.sum(weights), 1e-3)
+
+
+def _robust(values: Float[Array, "y x"], weights: Float[Array, "y x"]) -> tuple[Scalar, Scalar]:
+    """Middle and deviation of most of the values, by Tukey's biweight at four deviations."""
+    centre = _mean(values, weights)
+    deviation = jnp.sqrt(_mean((values - centre) ** 2, weights) + 1e-5)
+    for _ in range(6):
+        near = jnp.maximum(1 - ((values - centre) / (4 * deviation)) ** 2, 0.0) ** 2 * weights
+        centre = _mean(values, near)
+        # Of a normal distribution that weight leaves 0.771 of the variance.
+        deviation = jnp.sqrt(_mean((values - centre) ** 2, near) / 0.771 + 1e-5)
+    return centre, deviation
+
+
+def _texture(values: Float[Array, "y x"], weights: Float[Array, "y x"], side: int, axis: int) -> Scalar:
+    """½ log mean square difference of means over `side` pixels, from one to the next, along an axis."""
+    count = values.shape[axis]
+
+    def part(array: Array, start: int, stop: int) -> Array:
+        return jax.lax.slice_in_dim(array, start, stop, axis=axis)
+
+    def sums(array: Array) -> Array:
+        return sum(
+            (part(array, i, count - side + 1 + i) for i in range(1, side)), part(array, 0, count - side + 1)
+        )
+
+    means, counted = sums(values) / side, sums(weights) / side
+    last = means.shape[axis]
+    difference = part(means, side, last) - part(means, 0, last - side)
+    both = part(counted, side, last) * part(counted, 0, last - side)
+    return 0.5 * jnp.log(_mean(difference**2, both) + 1e-6)
