@@ -47,7 +47,7 @@ def result(config: schema.FitImageConfig, found: PhotographFit, truth: float | N
     if found.misfit > BADLY:
         notes.append(
             f"The image is unlike any that the model draws (misfit {found.misfit:.1f}, 1 would be chance): the wind is "
-            "worth less than even the interval says."
+            "worth less than the interval says."
         )
     return Result(values=values, tables=(Table("What was found", columns, rows), statistics), notes=notes)
 
@@ -64,7 +64,7 @@ def report(
         + ("." if truth is None else f"; the picture was made here with {truth:.1f} m/s."),
         f"The regression alone, from which the fit went down, says {v['wind_speed_of_the_regression']:.1f} m/s. "
         f"The misfit is {v['misfit']:.2g}: mean square distance of what the image's statistics are from what they are "
-        "in pictures of the state found, in units of chance; the interval is widened by its root where it is above 1.",
+        "in pictures of the state found, in units of chance.",
     ]
     distance = (found.observed - found.predicted) / np.maximum(found.chance, 1e-9)
     off = [(name, float(z)) for name, z in zip(found.names, distance, strict=True) if abs(z) > FAR]

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Any
 
@@ -51,8 +51,9 @@ class PhotographFit:
     - `guess`: the values that a regression alone gives, where the way down began.
     - `names`, `observed`, `predicted`, `chance`: the statistics of the photograph, their mean over pictures of the
       state found, and their standard deviation from one picture to the next.
-    - `misfit`: mean square of (observed − predicted)/chance over the statistics that count. Where it is above 1 the
-      model does not explain the photograph, and the errors are larger by its root.
+    - `misfit`: mean square of (observed − predicted)/chance over the statistics that count, 1 if the model explains the
+      photograph. What the fit is made of are few combinations of them; where these disagree by more than chance, the
+      errors are larger by as much.
     - `steps`: of the way down; `model`: the state found, with the noise that it came with; `lesson`: for photographs of
       the same camera.
     """
@@ -138,7 +139,7 @@ def fit_photograph(
     - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
     - `method`: how pixels find the sea, `Raster(2.0)` if None.
     - `detail`: pictures are drawn with so many times the rows and columns and averaged, as a camera's are.
-    - `scouts`: how many; `seas`: how many are drawn for a mean.
+    - `scouts`: how many; `seas`: how many are drawn for each derivative, up to 64; means are over 64 seas.
     - `lesson`: that of another fit with the same camera, size, mask and free numbers: it needs no scouts.
     - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
     - `most_steps`: of each of its two ways down.
@@ -173,8 +174,8 @@ def fit_photograph(
             )
     with jax.enable_x64(True):
         problem = PictureProblem(
-            _seas(photograph, seas, seed, vary, detail),
-            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
+            _first(_seas(photograph, DRAWN, seed, vary, detail), seas),
+            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.zeros(1), jnp.eye(1)),
             (),
             tuple(prior for _, prior in slots),
             tuple(slot for slot, _ in slots),
@@ -198,19 +199,22 @@ def fit_photograph(
         for _ in range(ROUNDS):
             around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
             chances = np.asarray(summaries(jnp.asarray(around)))
-            target = StatisticsTarget(statistics, summaries, aim, _whitening(chances, kept))
+            shift = jnp.asarray(chances.mean(axis=0) - chances[:seas].mean(axis=0))
+            target = StatisticsTarget(statistics, summaries, aim, shift, _whitening(chances, kept))
             problem = problem.against(target)
-            free_values, (_, jacobian) = descend(
+            free_values, (rows, jacobian) = descend(
                 problem, free_values, 1e-3, most_steps, 1, steps, report, GAIN
             )
         around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
         predicted, chance = around.mean(axis=0), around.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
+        # What the numbers leave of the summaries and priors; often there is hardly more than they take up.
+        left = float(jnp.sum(rows**2)) / max(rows.size - free_values.size, 1)
         own = np.asarray(jacobian[: kept.sum()])
         beside = np.asarray(jacobian[kept.sum() :])
-        # What data say is as uncertain as they are explained badly; priors stay what they are.
-        spread = max(misfit, 1.0) * (1 + 1 / seas)
+        # What data say is as uncertain as they contradict each other; priors stay what they are.
+        spread = max(left, 1.0) * (1 + 1 / DRAWN)
         covariance = np.linalg.pinv(own.T @ own / spread + beside.T @ beside, hermitian=True)
         values = np.asarray(problem.constrain(free_values))
         stretch = np.abs(np.asarray(problem.stretch(free_values)))
@@ -254,6 +258,10 @@ def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None, deta
     return Seas(photograph, photograph.noises(count, seed), keys, vary, detail)
 
 
+def _first(seas: Seas, count: int) -> Seas:
+    return replace(seas, noises=seas.noises[:count], keys=seas.keys[:count])
+
+
 def _at(
     problem: PictureProblem, points: np.ndarray, seed: int, advance: Callable[[], None] | None = None
 ) -> np.ndarray:
@@ -263,7 +271,7 @@ def _at(
     for part in range(0, len(points), DRAWN):
         some = points[part : part + DRAWN]
         whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
-        drawn = _seas(problem.model.photograph, DRAWN, seed + 2 + part, None, 1)
+        drawn = _seas(problem.model.photograph, DRAWN, seed + part, None, 1)
         rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
         found.append(np.asarray(rows, float)[: len(some)])
         if advance is not None:

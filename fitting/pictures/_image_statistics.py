@@ -33,8 +33,11 @@ DARKEST = 0.05
 BRIGHT = 3.0
 """Robust standard deviations above the middle of its band at which a pixel begins to count as bright."""
 
-FOAMY = np.log(2.0)
+FOAMY = float(np.log(2.0))
 """Logarithm of the light over that of its band at which a pixel counts as foam or glitter in any case."""
+
+DARK = 1e-9
+"""Mean light below which an image is black."""
 
 FEW = 3e-4
 """Share of pixels that is added before logarithms."""
@@ -96,7 +99,7 @@ class ImageStatistics(eqx.Module):
         deep = jnp.log(jnp.maximum(below, 1e-4))
         steps = [jax.nn.sigmoid((deep - float(np.log(edge))) / SOFTNESS) for edge in EDGES]
         self.bands = jnp.stack([seen * inner * (1 - outer) for inner, outer in itertools.pairwise(steps)])
-        self.above = seen * ((below > float(SKY[0])) & (below < float(SKY[1])))
+        self.above = seen * ((below > float(SKY[0])) & (below < float(SKY[1]))).astype(jnp.float32)
         axes = camera.axes().astype(jnp.float32)
         along, ahead = (jnp.einsum("rci,i->rc", rays, axes[i]) for i in (0, 2))
         self.sideways = jnp.arctan2(along, jnp.maximum(ahead, 1e-6))
@@ -124,7 +127,7 @@ class ImageStatistics(eqx.Module):
         dtype = image.dtype
         sea = jnp.sum(self.bands, axis=0).astype(dtype)
         light = luminance(image)
-        middle = jnp.maximum(_mean(light, sea), jnp.finfo(dtype).tiny)
+        middle = jnp.maximum(_mean(light, sea), DARK)
         own = jnp.log(jnp.maximum(light, 0.0) / middle + DARKEST)
         hue = jnp.log(
             (jnp.maximum(image[..., 0], 0.0) + DARKEST * middle)
@@ -148,7 +151,7 @@ class ImageStatistics(eqx.Module):
             add(f"level {at}", mean - whole)
             add(f"spread {at}", 0.5 * jnp.log(variance + 1e-5))
             add(f"bright {at}", jnp.log(share + FEW))
-            add(f"foam {at}", jnp.log(_mean(jax.nn.sigmoid((own - centre - FOAMY) / 0.15), band) + FEW))
+            add(f"foam {at}", jnp.log(_mean(jax.nn.sigmoid((own - centre - FOAMY) / 0.07), band) + FEW))
             add(f"colour {at}", _mean(hue, band) - tint)
             # Of few bright pixels the colour is chance: a share of `FEW` draws it to that of the band.
             tinted = _mean(bright * (hue - _mean(hue, band)), band) / (share + 0.01)
@@ -171,7 +174,9 @@ class ImageStatistics(eqx.Module):
                 0.5 * jnp.log(_mean((aside - turn) ** 2, excess + 1e-3 * band) + 1e-4),
             )
             columns = jnp.arange(image.shape[1]) * THIRDS // image.shape[1]
-            left, centre, right = (_mean(own, band * (columns == part)) for part in range(THIRDS))
+            left, centre, right = (
+                _mean(own, band * (columns == part).astype(dtype)) for part in range(THIRDS)
+            )
             add(f"left {name}", left - right)
             add(f"middle {name}", centre - 0.5 * (left + right))
         sky = self.above.astype(dtype)

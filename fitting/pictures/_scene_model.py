@@ -128,4 +128,5 @@ class SceneModel(eqx.Module):
 def _on_the_water(camera: Camera, fields: Fields) -> Camera:
     """The camera moved as the water at the origin is."""
     moved = jnp.sum(fields.displacement[:, 0, 0], axis=0), jnp.sum(fields.height[:, 0, 0], keepdims=True)
-    return eqx.tree_at(lambda c: c.position, camera, camera.position + jnp.concatenate(moved))
+    shift = jnp.concatenate(moved).astype(camera.position.dtype)
+    return eqx.tree_at(lambda c: c.position, camera, camera.position + shift)

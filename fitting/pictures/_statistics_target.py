@@ -6,7 +6,7 @@ from dataclasses import replace
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Complex, Float, PRNGKeyArray
+from jaxtyping import Array, Complex, Float, Key
 
 from jaxocean.render import Raster, Rays
 
@@ -15,7 +15,7 @@ from ._photograph import Photograph
 from ._problem import PictureProblem
 from ._summaries import Summaries
 
-Vary = Callable[[Photograph, PRNGKeyArray], Photograph]
+Vary = Callable[[Photograph, Key[Array, ""]], Photograph]
 
 
 class Seas(eqx.Module):
@@ -27,7 +27,7 @@ class Seas(eqx.Module):
 
     photograph: Photograph
     noises: Complex[Array, "sea pattern y x"]
-    keys: PRNGKeyArray
+    keys: Key[Array, " sea"]
     vary: Vary | None = eqx.field(static=True)
     detail: int = eqx.field(static=True)
 
@@ -43,7 +43,7 @@ class Seas(eqx.Module):
 
         return jax.lax.map(of, (self.noises, self.keys))
 
-    def of(self, noise: Array, key: PRNGKeyArray) -> "Seas":
+    def of(self, noise: Array, key: Key[Array, ""]) -> "Seas":
         """One sea of the same state."""
         return replace(self, noises=noise[None], keys=key[None])
 
@@ -51,13 +51,15 @@ class Seas(eqx.Module):
 class StatisticsTarget(eqx.Module):
     """Whitened differences of a picture's summaries and the mean of those of some seas.
 
-    **Arguments:** `statistics`, `summaries`: from pictures to numbers; `observed`: those of the photograph;
-    `whitening`: W with WᵀW = Σ⁻¹, of no weight for summaries that tell nothing.
+    **Arguments:** `statistics`, `summaries`: from pictures to numbers; `observed`: those of the photograph; `shift`:
+    what the mean over many seas has more than that over these few, near where the fit is; `whitening`: W with
+    WᵀW = Σ⁻¹, of no weight for summaries that tell nothing.
     """
 
     statistics: ImageStatistics
     summaries: Summaries
     observed: Float[Array, " q"]
+    shift: Float[Array, " q"]
     whitening: Float[Array, "kept q"]
 
     @property
@@ -66,12 +68,12 @@ class StatisticsTarget(eqx.Module):
 
     def residuals(self, pictures: Float[Array, "sea rows columns 3"]) -> Float[Array, " q"]:
         seen = jnp.mean(self.summaries(jax.vmap(self.statistics)(pictures)), axis=0)
-        return self.whitening.astype(seen.dtype) @ (seen - self.observed.astype(seen.dtype))
+        return self.whitening.astype(seen.dtype) @ (seen + (self.shift - self.observed).astype(seen.dtype))
 
 
 @eqx.filter_jit
 def drawn_statistics(
-    problem: PictureProblem, points: Float[Array, "sea p"], noises: Array, keys: PRNGKeyArray
+    problem: PictureProblem, points: Float[Array, "sea p"], noises: Array, keys: Key[Array, " sea"]
 ) -> Float[Array, "sea m"]:
     """Statistics of one picture at each point of the free numbers."""
 

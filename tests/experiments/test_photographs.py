@@ -1,0 +1,318 @@
+"""`fit_image`, `unknown_seas` and `buoy_photographs` around fits that are made up, and what is no photograph."""
+
+import csv
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+from experiments.harness._errors import Interrupted, UserError
+from experiments.harness._execute import execute
+from experiments.harness._loading import load
+from experiments.harness._progress import Silent
+from experiments.pictures import _photographs, _unknown_scenes, _winds
+from fitting import FitError
+from fitting.pictures import Lesson, Photograph, PhotographFit, PictureStep
+from jaxocean import Wind
+from jaxocean.io import write_exr
+from jaxocean.render import Camera
+
+SMALL = ["cascade.sizes=[40.0]", "cascade.resolution=32"]
+NAMES = ("speed", "sun_elevation", "sun_azimuth", "cover")
+
+
+def sea_and_sky(columns=160, rows=90, horizon=40, colour=True):
+    """A rough sea below a bright sky, as code values."""
+    random = np.random.default_rng(0)
+    image = np.empty((rows, columns, 3))
+    image[:horizon] = (200, 215, 240)
+    image[horizon:] = np.array((40, 70, 110)) * np.exp(0.2 * random.normal(size=(rows - horizon, columns, 1)))
+    if not colour:
+        image[:] = image.mean(axis=-1, keepdims=True)
+    return image.clip(0, 255).astype(np.uint8)
+
+
+def save(folder, pixels, name="sea.png"):
+    path = folder / name
+    Image.fromarray(pixels).save(path)
+    return path
+
+
+class Watching(Silent):
+    """Stops after some counts."""
+
+    def __init__(self, stop_after=None):
+        self.counted, self.stop_after = 0, stop_after
+
+    def count(self, what, total):
+        def advance():
+            self.counted += 1
+            if self.counted == self.stop_after:
+                raise KeyboardInterrupt
+
+        return advance
+
+
+@pytest.fixture
+def made_up(monkeypatch):
+    """Fits that find 9, 10, 11, … m/s within a tenth; pictures are even."""
+    calls = []
+
+    def fit(
+        photograph, free, image, *, mask, lesson=None, begin=None, report=None, scouted=None, taught=None, **_
+    ):
+        calls.append({"camera": photograph.scene.camera, "mask": mask, "lesson": lesson, "begin": begin})
+        number = len(calls)
+        if scouted is not None:
+            scouted()
+        learned = Lesson.of(np.zeros(2), np.ones(2), np.zeros((5, 3)), np.array([0.8, 0.5, 0.1]))
+        if taught is not None and lesson is None:
+            taught(learned)
+        values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}
+        steps = tuple(PictureStep(i, 2, 3.0 - i, {**values, "speed": 5.0 + i}) for i in range(3))
+        for step in steps:
+            if report is not None:
+                report(step)
+        if len(calls) == calls[0].get("fail_at"):
+            raise FitError("It does not come to rest", "a joke", "another")
+        slots = tuple(slot for slot, _ in _slots(photograph, free))
+        found = np.array([0.1, 0.2, 0.3])
+        return PhotographFit(
+            values,
+            {"speed": 0.5, "sun_elevation": 0.1, "sun_azimuth": 0.1, "cover": 0.1},
+            {**values, "speed": 7.0},
+            NAMES,
+            np.diag([0.06, 0.1, 0.1, 0.1]) ** 2,
+            ("level in band 1", "foam in band 2", "relief"),
+            found + np.array([0.0, 1.0, 0.1]),
+            found,
+            np.array([0.1, 0.2, 0.1]),
+            1.5,
+            steps,
+            3.0,
+            photograph,
+            learned,
+            image.shape[:2],
+            slots,
+        )
+
+    def _slots(photograph, free):
+        from fitting._parameters import resolve
+
+        return resolve(photograph, free, 1)
+
+    def even(self, size, method=None, detail=1):
+        rows = jnp.linspace(0.2, 1.0, size[0])[:, None, None]
+        return rows * (0.1 + 0.01 * self.scene.wind.speed.astype(rows.dtype)) * jnp.ones((*size, 3))
+
+    monkeypatch.setattr(_photographs, "fit_photograph", fit)
+    monkeypatch.setattr(Photograph, "picture", even)
+    return calls
+
+
+def result_of(finished):
+    return json.loads((finished.folder / "result.json").read_text())
+
+
+def test_an_image_is_fitted_with_the_camera_that_its_horizon_tells(tmp_path, made_up):
+    path = save(tmp_path, sea_and_sky())
+    finished = execute(load("fit_image", [f"image={path}", *SMALL], output=str(tmp_path / "runs")))
+    values = result_of(finished)
+    assert values["wind_speed"] == 9.0
+    # Positive numbers are normal in their logarithm: a factor e^±(1.645 × 0.06).
+    np.testing.assert_allclose(values["wind_speed_interval"], 9.0 * np.exp([-0.0987, 0.0987]), rtol=1e-3)
+    camera = made_up[0]["camera"]
+    # 60° from side to side; the horizon is 4.5 rows above the middle.
+    focal = 80 / np.tan(np.pi / 6)
+    np.testing.assert_allclose(float(camera.pitch), np.arctan2(4.5, focal), atol=0.01)
+    np.testing.assert_allclose(float(camera.field_of_view), 2 * np.arctan(45 / focal), rtol=1e-6)
+    files = set(finished.files())
+    assert {"fitted.png", "filmstrip.png", "statistics.png", "statistics.nc", "report.md"} <= files
+    report = (finished.folder / "report.md").read_text()
+    assert "**U10 = 9.0 m/s**" in report
+    assert "foam in band 2 (+5.0 chances)" in report
+    with xr.open_dataset(finished.folder / "statistics.nc") as data:
+        assert list(data["statistic"].values) == ["level in band 1", "foam in band 2", "relief"]
+        assert float(data["speed"]) == 9.0
+
+
+def test_the_camera_can_be_given_and_exr_and_masks_are_read(tmp_path, made_up):
+    light = (sea_and_sky() / 255.0).astype(np.float32)
+    path = write_exr(tmp_path / "sea.exr", dict(zip("RGB", np.moveaxis(light, -1, 0), strict=True)))
+    hidden = np.full((90, 160), 255, np.uint8)
+    hidden[:, :80] = 0
+    mask = save(tmp_path, hidden, "mask.png")
+    keys = [
+        f"image={path}",
+        f"mask={mask}",
+        "camera.pitch=0.05",
+        "camera.roll=-0.02",
+        "camera.field_of_view=0.5",
+    ]
+    execute(load("fit_image", [*keys, *SMALL], output=str(tmp_path / "runs")))
+    camera = made_up[0]["camera"]
+    np.testing.assert_allclose(
+        [camera.pitch, camera.roll, camera.field_of_view], [0.05, -0.02, 0.5], rtol=1e-6
+    )
+    np.testing.assert_allclose(made_up[0]["mask"].mean(axis=0)[[0, 70, 90, 159]], [0, 0, 1, 1])
+
+
+def test_without_an_image_one_is_made_whose_wind_is_told(tmp_path, made_up):
+    finished = execute(load("fit_image", SMALL, output=str(tmp_path)))
+    truth = result_of(finished)["true_wind_speed"]
+    assert 4.0 < truth < 20.0
+    assert f"made here with {truth:.1f} m/s" in (finished.folder / "report.md").read_text()
+
+
+def test_an_interrupted_fit_goes_on_from_its_last_step(tmp_path, made_up, monkeypatch):
+    path = save(tmp_path, sea_and_sky())
+    loaded = load("fit_image", [f"image={path}", *SMALL], output=str(tmp_path / "runs"))
+    whole = _photographs.fit_photograph
+
+    def stopped(*args, report, **more):
+        def once(step):
+            report(step)
+            if step.number == 1:
+                raise KeyboardInterrupt
+
+        return whole(*args, report=once, **more)
+
+    monkeypatch.setattr(_photographs, "fit_photograph", stopped)
+    with pytest.raises(Interrupted, match="goes on from there"):
+        execute(loaded)
+    monkeypatch.setattr(_photographs, "fit_photograph", whole)
+    execute(loaded)
+    assert made_up[0]["begin"] is None
+    assert made_up[1]["begin"]["speed"] == 6.0
+    np.testing.assert_allclose(made_up[1]["lesson"].told, [0.8, 0.5, 0.1])
+
+
+def noisy(rows, columns):
+    return np.random.default_rng(1).integers(0, 255, (rows, columns, 3)).astype(np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "words"),
+    [
+        (lambda folder: [f"image={folder / 'none.png'}"], "there is no file"),
+        (lambda folder: [f"image={save(folder, sea_and_sky(40, 40, 18))}"], "at least 64×64 pixels"),
+        (lambda folder: [f"image={save(folder, sea_and_sky(colour=False))}"], "is grey"),
+        (lambda folder: [f"image={save(folder, noisy(90, 160))}"], "shows no horizon"),
+        (
+            lambda folder: [
+                f"image={save(folder, sea_and_sky())}",
+                f"mask={save(folder, np.full((45, 80), 255, np.uint8), 'mask.png')}",
+            ],
+            "must have the 160×90 pixels",
+        ),
+        (
+            lambda folder: [
+                f"image={save(folder, sea_and_sky())}",
+                f"mask={save(folder, np.zeros((90, 160), np.uint8), 'mask.png')}",
+            ],
+            "hides the whole image",
+        ),
+        (
+            lambda folder: [f"image={save(folder, sea_and_sky())}", "camera.pitch=-1.0", "camera.roll=0.0"],
+            "hardly a pixel lies below the horizon",
+        ),
+    ],
+)
+def test_what_is_no_photograph_of_the_sea_ends_in_one_sentence(tmp_path, prepare, words):
+    loaded = load("fit_image", [*prepare(tmp_path), *SMALL], output=str(tmp_path / "runs"))
+    with pytest.raises(UserError, match=words) as problem:
+        execute(loaded)
+    assert "\n" not in str(problem.value)
+    assert not [path for path in (tmp_path / "runs").glob("fit_image*") if path.is_dir()]
+
+
+def test_a_corrupt_file_is_named(tmp_path):
+    path = tmp_path / "sea.jpg"
+    path.write_bytes(b"\xff\xd8\xff\xe0 no picture")
+    with pytest.raises(UserError, match="cannot be read"):
+        execute(load("fit_image", [f"image={path}", *SMALL], output=str(tmp_path / "runs")))
+    light = np.full((90, 160), np.nan, np.float32)
+    dark = write_exr(tmp_path / "sea.exr", dict.fromkeys("RGB", light))
+    with pytest.raises(UserError, match="not finite"):
+        execute(load("fit_image", [f"image={dark}", *SMALL], output=str(tmp_path / "runs")))
+
+
+def test_pitch_and_roll_are_given_together():
+    with pytest.raises(UserError, match=r"camera\.roll"):
+        load("fit_image", ["camera.pitch=0.1"])
+
+
+def test_unknown_seas_are_counted_and_share_a_lesson(tmp_path, made_up):
+    loaded = load("unknown_seas", ["count=4", *SMALL], output=str(tmp_path))
+    with pytest.raises(Interrupted):
+        execute(loaded, Watching(stop_after=2))
+    finished = execute(loaded)
+    assert [call["lesson"] is None for call in made_up] == [True, False, False, False]
+    values = result_of(finished)
+    true = [float(_unknown_scenes.draw(loaded.config, i).scene.wind.speed) for i in range(4)]
+    off = np.abs(np.log(np.array([9.0, 10.0, 11.0, 12.0]) / true))
+    assert values["median_error"] == pytest.approx(np.expm1(np.median(off)), rel=1e-6)
+    assert values["interval_coverage"] == pytest.approx(np.mean(off < 1.645 * 0.06))
+    assert {"winds.png", "pictures.png", "winds.nc", "report.md"} <= set(finished.files())
+
+
+def test_buoys_are_compared_with_what_they_measured(tmp_path, made_up):
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for name in ("A_1.png", "B_2.png"):
+        save(folder, sea_and_sky(), name)
+    save(folder, noisy(90, 160), "C_3.png")
+    with (folder / "labels.csv").open("w", newline="") as lines:
+        rows = csv.writer(lines)
+        rows.writerows([("file", "wind_speed_m_s"), ("A_1.png", 5), ("B_2.png", 9), ("C_3.png", 7)])
+    finished = execute(load("buoy_photographs", [f"folder={folder}", *SMALL], output=str(tmp_path / "runs")))
+    values = result_of(finished)
+    assert (values["photographs"], values["failed"]) == (3, 1)
+    true = [float(Wind.from_meteorological(u, from_degrees=0.0, height=4.0).speed) for u in (5.0, 9.0)]
+    np.testing.assert_allclose(values["bias"]["fit"], np.mean(np.array([9.0, 10.0]) - true), rtol=1e-6)
+    assert values["rank"]["fit"] == pytest.approx(1.0)
+    # Of two the median of the others is the other.
+    np.testing.assert_allclose(values["rms"]["median wind of the others"], true[1] - true[0], rtol=1e-6)
+    report = (finished.folder / "report.md").read_text()
+    assert "shows no horizon" in " ".join((finished.folder / "summary.txt").read_text().split())
+    assert "| A | 5.4" in report
+
+
+def test_a_folder_without_labels_is_named(tmp_path):
+    with pytest.raises(UserError, match=r"labels\.csv"):
+        execute(load("buoy_photographs", [f"folder={tmp_path}"], output=str(tmp_path / "runs")))
+    (tmp_path / "labels.csv").write_text("file,wind\na.png,3\n")
+    with pytest.raises(UserError, match="must have the columns"):
+        execute(load("buoy_photographs", [f"folder={tmp_path}"], output=str(tmp_path / "runs")))
+
+
+def test_bright_pixels_are_counted_below_the_horizon():
+    random = np.random.default_rng(4)
+    light = np.repeat(1 + 0.05 * random.normal(size=(90, 160, 1)), 3, axis=-1)
+    light[:45] = 20.0
+    foam = random.uniform(size=(90, 160)) < 0.02
+    light[45:][foam[45:]] = 3.0
+    camera = Camera((0.0, 0.0, 4.0), pitch=0.0, field_of_view=0.6)
+    share = _winds.bright_share(light, camera, None)
+    assert share == pytest.approx(foam[51:].mean() + 0.00135, abs=2e-3)
+    inferred = _winds.Inferred("a", 8.0, 8.0, 7.0, 9.0, 8.0, 1.0, 3.84e-6 * 10**3.41, 1.0)
+    assert inferred.from_foam == pytest.approx(10.0)
+
+
+def test_the_pictures_are_of_jonswap_seas():
+    import scipy.integrate
+
+    from fitting._spectral_model import ElfouhailySea
+
+    spectrum = _unknown_scenes.JonswapSea(0.84)(Wind(10.0))
+    # A developed one is Pierson & Moskowitz's: Hs = 4 √(α g²/(5 ω_p⁴)), ω_p = 0.84 g/U.
+    height = 4 * np.sqrt(0.0081 * 9.81**2 / 5) / (0.84 * 9.81 / 10) ** 2
+    assert float(spectrum.significant_wave_height) == pytest.approx(height, rel=0.01)
+    k = np.geomspace(1e-3, 50, 4000)
+    level = np.asarray(spectrum.harmonics(jnp.asarray(k)).mean)
+    assert 4 * np.sqrt(scipy.integrate.trapezoid(level, k)) == pytest.approx(height, rel=0.02)
+    other = np.asarray(ElfouhailySea(0.84)(Wind(10.0)).harmonics(jnp.asarray(k)).mean)
+    assert np.max(np.abs(np.log(level[k > 0.05] / other[k > 0.05]))) > 0.3
