@@ -108,9 +108,10 @@ def sky(config: schema.SkyConfig) -> optics.sky.AbstractSky:
     up, around = config.sun_elevation, config.sun_azimuth
     match config:
         case schema.ClearSkyConfig():
-            return optics.sky.HosekWilkie(
+            clear = optics.sky.HosekWilkie(
                 config.turbidity, config.albedo, sun_elevation=up, sun_azimuth=around
             )
+            return clear if config.cover == 0 else optics.sky.CloudySky(clear, config.cover)
         case schema.SpectralSkyConfig():
             return optics.sky.SpectralHosekWilkie(
                 config.turbidity, config.albedo, sun_elevation=up, sun_azimuth=around

@@ -58,10 +58,10 @@ class InferenceConfig(Section):
 
     rows: int = key(90, unit="px", meaning="to which the image is reduced", ge=48, le=512)
     scouts: int = key(
-        1000, meaning="random states whose pictures teach what statistics tell", ge=100, le=100_000
+        640, meaning="random states whose pictures teach what statistics tell", ge=100, le=100_000
     )
-    seas: int = key(8, meaning="seas whose pictures make a mean", ge=1, le=1000)
-    steps: int = key(6, meaning="of each of two ways down, at most", ge=1, le=100)
+    seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=1000)
+    steps: int = key(4, meaning="of the way down, at most", ge=1, le=100)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)
     median_wind: float = key(8.5, unit="m/s", meaning="median of the prior of U10", gt=0, le=60)
     wind_spread: float = key(0.6, unit="-", meaning="standard deviation of ln U10 in the prior", gt=0, le=3)

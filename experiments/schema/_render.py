@@ -59,6 +59,7 @@ class ClearSkyConfig(Section):
     albedo: float = _albedo()
     sun_elevation: float = _sun_elevation()
     sun_azimuth: float = _sun_azimuth()
+    cover: float = key(0.0, unit="-", meaning="share of clouds, in the mean over where they are", ge=0, le=1)
 
 
 class SpectralSkyConfig(Section):

@@ -19,6 +19,9 @@ PATIENCE = 3
 FINISHES = 12
 """Steps with a more exact method at most, of which each draws one picture."""
 
+POLISHES = 4
+"""Steps with the more exact method's own derivatives at most."""
+
 FINISHED = 1e-4
 """Share of the cost below which another one gains nothing: with derivatives of another method they only come closer by
 a factor each."""
@@ -66,12 +69,8 @@ def descend(
     finest: int,
     steps: list[PictureStep],
     report: Callable | None,
-    least: float = 0.0,
 ) -> tuple[Array, tuple[Array, Array]]:
     """Levenberg–Marquardt, step by step, so that whoever waits may watch.
-
-    **Arguments:** `least`: where costs are squares of standard errors, a gain that is not worth a step: it ends after
-    one that gains less, or two that gain nothing.
 
     **Returns:** where it ends, and the residuals and their derivatives there.
     """
@@ -91,7 +90,7 @@ def descend(
         )
     struct = jax.eval_shape(lambda: known[0])
     state = solver.init(lambda y, known: (_known(y, *known), None), y, known, {}, struct, None, frozenset())
-    best, costs, vain = (y, known), [], 0
+    best, costs = (y, known), []
     for _ in range(most_steps + 1):
         cost = 0.5 * float(jnp.sum(known[0] ** 2))
         if not costs or cost < costs[-1]:
@@ -103,13 +102,6 @@ def descend(
                 report(steps[-1])
             # The derivative of a picture is rough: near the end many steps gain hardly anything.
             if len(costs) > PATIENCE and costs[-1 - PATIENCE] - cost < tolerance * cost:
-                return best
-            if len(costs) > 1 and costs[-2] - cost < least:
-                return best
-            vain = 0
-        elif least:
-            vain += 1
-            if vain == 2:
                 return best
         y, state = _solver_step(solver, y, state, jax.tree.map(lambda each: scale * each, known))
         if bool(state.terminate):
@@ -144,6 +136,29 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
         if gain < FINISHED:
             break
     return free, rows
+
+
+def polish(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array, Array]:
+    """Gauss–Newton steps with residuals and derivatives of one method, until they gain nothing.
+
+    **Returns:** where that ends, and the residuals and their derivatives there, or almost there.
+    """
+    jacobian = look(problem, free)[1]
+    for _ in range(POLISHES):
+        step = jnp.linalg.lstsq(jacobian, rows)[0]
+        for shorter in (1.0, 0.25):
+            ahead = free - shorter * step
+            there = rows_of(problem, ahead)
+            gain = 1 - float(jnp.sum(there**2) / jnp.sum(rows**2))
+            if gain > 0:
+                break
+        else:
+            break
+        free, rows = ahead, there
+        jacobian = look(problem, free)[1]
+        if gain < FINISHED:
+            break
+    return free, rows, jacobian
 
 
 def shift(problem: PictureProblem, free: Array, rows: Array, jacobian: Array) -> Array:

@@ -19,11 +19,11 @@ from .._bounds import Real
 from .._errors import FitError
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
-from ._descent import PictureStep, descend
+from ._descent import PictureStep
 from ._image_statistics import ImageStatistics
 from ._photograph import Photograph
 from ._picture_target import Image, Mask
-from ._problem import PictureProblem
+from ._problem import PictureProblem, look
 from ._statistics_target import Seas, StatisticsTarget, Vary, drawn_statistics
 from ._summaries import Lesson, Summaries, learn
 
@@ -36,8 +36,8 @@ TELLING = 0.1
 GAIN = 0.05
 """Least gain in half a χ² that is worth a step."""
 
-ROUNDS = 2
-"""How often it goes down, each time with the chance of the state found before."""
+LONGEST = 0.7
+"""Longest step of a free number, on the real line of its bounds."""
 
 Free = Callable | Parameter | Sequence[Callable | Parameter]
 
@@ -109,11 +109,11 @@ def fit_photograph(
     vary: Vary | None = None,
     method: Raster | Rays | None = None,
     detail: int = 2,
-    scouts: int = 1000,
-    seas: int = 8,
+    scouts: int = 640,
+    seas: int = 4,
     lesson: Lesson | None = None,
     begin: Mapping[str, float] | None = None,
-    most_steps: int = 6,
+    most_steps: int = 4,
     seed: int = 0,
     report: Callable[[PictureStep], None] | None = None,
     scouted: Callable[[], None] | None = None,
@@ -126,7 +126,7 @@ def fit_photograph(
     Scouts, states from the priors with one picture each, teach a regression which combinations η of the statistics tell
     the free numbers. The photograph's η then are data: they are compared with their mean over some seas of the state θ,
     whose random numbers stay the same, and weighed by their covariance Σ over seas and over what `vary` draws (a
-    synthetic likelihood, Wood 2010). From what the regression says it goes down by Levenberg–Marquardt with the
+    synthetic likelihood, Wood 2010). From what the regression says it goes down by Gauss–Newton steps with the
     derivatives of the pictures.
 
     **Arguments:**
@@ -139,10 +139,10 @@ def fit_photograph(
     - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
     - `method`: how pixels find the sea, `Raster(2.0)` if None.
     - `detail`: pictures are drawn with so many times the rows and columns and averaged, as a camera's are.
-    - `scouts`: how many; `seas`: how many are drawn for each derivative, up to 64; means are over 64 seas.
+    - `scouts`: how many; `seas`: how many are drawn for a derivative, up to 64; means are over 64.
     - `lesson`: that of another fit with the same camera, size, mask and free numbers: it needs no scouts.
     - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
-    - `most_steps`: of each of its two ways down.
+    - `most_steps`: of the way down.
     - `seed`: of all random numbers.
     - `report`: called with each step that lowers the cost; `scouted`: after each 64 scouts; `taught`: with what they
       taught.
@@ -174,8 +174,8 @@ def fit_photograph(
             )
     with jax.enable_x64(True):
         problem = PictureProblem(
-            _first(_seas(photograph, DRAWN, seed, vary, detail), seas),
-            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.zeros(1), jnp.eye(1)),
+            _seas(photograph, DRAWN, seed, vary, detail).some(seas),
+            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
             (),
             tuple(prior for _, prior in slots),
             tuple(slot for slot, _ in slots),
@@ -185,37 +185,21 @@ def fit_photograph(
             lesson = _taught(problem, scouts, seed, scouted)
             if taught is not None:
                 taught(lesson)
-        summaries, kept = lesson.summaries, lesson.told > TELLING
-        if not np.any(kept):
+        if not np.any(lesson.told > TELLING):
             raise FitError(
                 "The statistics of the image tell nothing of the free numbers",
                 "a view of too little sea, or a mask that hides it",
                 "show more of the sea, or free other numbers",
             )
-        aim = summaries(jnp.asarray(observed))
+        aim = lesson.summaries(jnp.asarray(observed))
         guess = jnp.asarray(_from_goals(problem, np.asarray(aim)))
         free_values = guess if begin is None else _from_names(problem, begin)
         steps: list[PictureStep] = []
-        for _ in range(ROUNDS):
-            around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
-            chances = np.asarray(summaries(jnp.asarray(around)))
-            shift = jnp.asarray(chances.mean(axis=0) - chances[:seas].mean(axis=0))
-            target = StatisticsTarget(statistics, summaries, aim, shift, _whitening(chances, kept))
-            problem = problem.against(target)
-            free_values, (rows, jacobian) = descend(
-                problem, free_values, 1e-3, most_steps, 1, steps, report, GAIN
-            )
-        around = _at(problem, np.broadcast_to(free_values, (DRAWN, free_values.size)), seed)
-        predicted, chance = around.mean(axis=0), around.std(axis=0, ddof=1)
+        end = _descend(problem, lesson, aim, free_values, most_steps, seed, steps, report)
+        predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
-        # What the numbers leave of the summaries and priors; often there is hardly more than they take up.
-        left = float(jnp.sum(rows**2)) / max(rows.size - free_values.size, 1)
-        own = np.asarray(jacobian[: kept.sum()])
-        beside = np.asarray(jacobian[kept.sum() :])
-        # What data say is as uncertain as they contradict each other; priors stay what they are.
-        spread = max(left, 1.0) * (1 + 1 / DRAWN)
-        covariance = np.linalg.pinv(own.T @ own / spread + beside.T @ beside, hermitian=True)
+        covariance, free_values = end.covariance(), end.free
         values = np.asarray(problem.constrain(free_values))
         stretch = np.abs(np.asarray(problem.stretch(free_values)))
         guessed = problem.named(np.asarray(problem.constrain(guess)))
@@ -239,6 +223,74 @@ def fit_photograph(
     )
 
 
+@dataclass(frozen=True)
+class _End:
+    """Where the way down ends: the state, the statistics of its pictures, residuals (`count` of them of data), and
+    derivatives."""
+
+    cost: float
+    free: Array
+    drawn: np.ndarray
+    rows: np.ndarray
+    jacobian: np.ndarray
+    count: int
+
+    def covariance(self) -> np.ndarray:
+        """Of the free numbers."""
+        own, beside = self.jacobian[: self.count], self.jacobian[self.count :]
+        # What data say is as uncertain as they contradict each other; priors stay what they are.
+        left = float(np.sum(self.rows**2)) / max(len(self.rows) - self.free.size, 1)
+        spread = max(left, 1.0) * (1 + 1 / DRAWN)
+        return np.linalg.pinv(own.T @ own / spread + beside.T @ beside, hermitian=True)
+
+
+def _descend(
+    problem: PictureProblem,
+    lesson: Lesson,
+    aim: Array,
+    free: Array,
+    most_steps: int,
+    seed: int,
+    steps: list[PictureStep],
+    report: Callable[[PictureStep], None] | None,
+) -> _End:
+    """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
+    kept = lesson.told > TELLING
+    count, best, weight = int(kept.sum()), None, None
+    for number in range(most_steps + 1):
+        drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
+        seen = np.asarray(lesson.summaries(jnp.asarray(drawn)))
+        # Chance is that of where it is, until costs are to be compared.
+        if weight is None or number < 2:
+            weight = _whitening(seen, kept)
+        target = replace(problem.target, summaries=lesson.summaries, observed=aim, whitening=weight)
+        rows, jacobian = (np.asarray(each) for each in look(problem.against(target), free))
+        rows = np.concatenate([np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim)), rows[count:]])
+        if not (np.all(np.isfinite(rows)) and np.all(np.isfinite(jacobian))):
+            raise FitError(
+                "Pictures of a state, or their derivatives, are not finite",
+                "numbers that no scene has",
+                "give priors or bounds that hold only seas",
+            )
+        cost = 0.5 * float(np.sum(rows**2))
+        gained = np.inf if best is None or number < 2 else best.cost - cost
+        if gained <= 0:
+            break
+        best = _End(cost, free, drawn, rows, jacobian, count)
+        steps.append(PictureStep(number, 1, cost, problem.named(np.asarray(problem.constrain(free)))))
+        if report is not None:
+            report(steps[-1])
+        if gained < GAIN:
+            break
+        step = -np.linalg.lstsq(jacobian, rows)[0]
+        step = step * min(1.0, LONGEST / max(float(np.max(np.abs(step))), 1e-12))
+        if cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2)) < GAIN:
+            break
+        free = free + jnp.asarray(step)
+    assert best is not None
+    return best
+
+
 def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[], None] | None) -> Lesson:
     random = np.random.default_rng(seed)
     points = np.stack([_from_priors(problem, random) for _ in range(scouts)])
@@ -256,10 +308,6 @@ def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[
 def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None, detail: int) -> Seas:
     keys = jax.random.split(jax.random.key(seed + 1), count)
     return Seas(photograph, photograph.noises(count, seed), keys, vary, detail)
-
-
-def _first(seas: Seas, count: int) -> Seas:
-    return replace(seas, noises=seas.noises[:count], keys=seas.keys[:count])
 
 
 def _at(

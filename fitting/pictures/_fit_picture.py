@@ -18,7 +18,7 @@ from .._bounds import Interval, Real
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
-from ._descent import PictureStep, descend, finish_with, shift
+from ._descent import PictureStep, descend, finish_with, polish, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
@@ -100,9 +100,9 @@ def fit_picture(
       scatter: `law + slopes`. They and priors weigh as much against the picture as the target's `scatter` says.
     - `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
-    - `finish`: a more exact method for the end: up to twelve Gauss–Newton steps with its residuals and the other
-      method's derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer
-      in the numbers. Of several the one counts that explains the picture best.
+    - `finish`: a more exact method for the end: Gauss–Newton steps with its residuals, first with the other method's
+      derivatives and then with its own, as long as they lower the cost. What `method` gets wrong everywhere alike is
+      then no longer in the numbers. Of several the one counts that explains the picture best.
     - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
       first order, counts as one standard error of its own.
     - `scouts`: how many scenes around the start are looked at before the first step, without derivatives: for a start
@@ -161,7 +161,10 @@ def fit_picture(
         free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
         ends = [finish_with(problem.by(other), free_values, jacobian) for other in finishes]
         if ends:
-            free_values, rows = min(ends, key=lambda end: float(jnp.sum(end[1] ** 2)))
+            costs = [float(jnp.sum(rows**2)) for _, rows in ends]
+            best = int(np.argmin(costs))
+            problem = problem.by(finishes[best])
+            free_values, rows, jacobian = polish(problem, *ends[best])
         values = np.asarray(problem.constrain(free_values))
         stretch = problem.stretch(free_values)
         covariance, scatter = _covariance(problem, rows, jacobian / stretch)

@@ -43,6 +43,10 @@ class Seas(eqx.Module):
 
         return jax.lax.map(of, (self.noises, self.keys))
 
+    def some(self, count: int) -> "Seas":
+        """The first of them."""
+        return replace(self, noises=self.noises[:count], keys=self.keys[:count])
+
     def of(self, noise: Array, key: Key[Array, ""]) -> "Seas":
         """One sea of the same state."""
         return replace(self, noises=noise[None], keys=key[None])
@@ -51,15 +55,13 @@ class Seas(eqx.Module):
 class StatisticsTarget(eqx.Module):
     """Whitened differences of a picture's summaries and the mean of those of some seas.
 
-    **Arguments:** `statistics`, `summaries`: from pictures to numbers; `observed`: those of the photograph; `shift`:
-    what the mean over many seas has more than that over these few, near where the fit is; `whitening`: W with
-    WᵀW = Σ⁻¹, of no weight for summaries that tell nothing.
+    **Arguments:** `statistics`, `summaries`: from pictures to numbers; `observed`: those of the photograph;
+    `whitening`: W with WᵀW = Σ⁻¹, of no weight for summaries that tell nothing.
     """
 
     statistics: ImageStatistics
     summaries: Summaries
     observed: Float[Array, " q"]
-    shift: Float[Array, " q"]
     whitening: Float[Array, "kept q"]
 
     @property
@@ -68,7 +70,7 @@ class StatisticsTarget(eqx.Module):
 
     def residuals(self, pictures: Float[Array, "sea rows columns 3"]) -> Float[Array, " q"]:
         seen = jnp.mean(self.summaries(jax.vmap(self.statistics)(pictures)), axis=0)
-        return self.whitening.astype(seen.dtype) @ (seen + (self.shift - self.observed).astype(seen.dtype))
+        return self.whitening.astype(seen.dtype) @ (seen - self.observed.astype(seen.dtype))
 
 
 @eqx.filter_jit
