@@ -1,5 +1,6 @@
 """What experiments on photographs share: how an image is read, what is sought, and what is not known besides."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,17 +30,17 @@ from .. import schema
 from ..common import _build
 from ..harness._errors import UserError
 
-SMALLEST = 64
-"""Least rows and columns [pixels] of an image."""
-
 FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
 UNITS = ("m/s", "rad", "rad", "-")
 WIND = "speed"
 
 HIGHEST_SUN = 1.45
 TURBIDITY, CHLOROPHYLL, OPEN, BLUR = 3.5, 0.15, 0.3, 0.07
-WAVE_AGE = 1.05
-"""Ω [-]: most seas are still growing a little."""
+WAVE_AGE, DEVELOPED = 1.0, 0.84
+"""Ω [-]: most seas are still growing a little; that of a fully developed one."""
+
+BREAKING = 6.0
+"""Breaking wavenumber [rad/m]: whitecaps that a photograph shows are of waves of a metre and more."""
 
 
 def free(config: schema.InferenceConfig) -> list[Parameter]:
@@ -58,8 +59,8 @@ def vary(photograph: Photograph, key) -> Photograph:
     | number | distribution |
     |---|---|
     | direction of wind and waves, from the camera | any |
-    | Ω | 1.05 within a factor e^±0.22 |
-    | waves of all lengths, and short ones by a power of k | e^±0.2, ± 0.22, see `UncertainSea` |
+    | Ω | 1.0 within a factor e^±0.2, but never below 0.84: a sea that is older has other waves than the wind's |
+    | waves of all lengths, and short ones by a power of k | e^±0.2, ± 0.3, see `UncertainSea` |
     | swell | \\|N(0, 0.8)\\| m of 11 ± 1.5 s from anywhere |
     | coverage over the law's | 10^±0.2 |
     | λ | 1 ± 0.12 |
@@ -70,9 +71,11 @@ def vary(photograph: Photograph, key) -> Photograph:
     turns = jax.random.uniform(jax.random.fold_in(key, 1), (2,), jnp.float32, -np.pi, np.pi)
     drawn = {
         lambda m: m.scene.wind.direction: turns[0],
-        lambda m: m.scene.spectrum.wind_sea.inverse_wave_age: WAVE_AGE * jnp.exp(0.22 * normal[0]),
+        lambda m: m.scene.spectrum.wind_sea.inverse_wave_age: jnp.maximum(
+            WAVE_AGE * jnp.exp(0.2 * normal[0]), DEVELOPED
+        ),
         lambda m: m.scene.spectrum.level: 0.2 * normal[1],
-        lambda m: m.scene.spectrum.tilt: 0.22 * normal[2],
+        lambda m: m.scene.spectrum.tilt: 0.3 * normal[2],
         lambda m: m.scene.spectrum.swell_height: jnp.abs(0.8 * normal[3]),
         lambda m: m.scene.spectrum.swell_period: 11 + 1.5 * jnp.clip(normal[4], -3.0, 3.0),
         lambda m: m.scene.spectrum.swell_turn: turns[1],
@@ -96,7 +99,7 @@ def start(
         camera,
         cascade=cascade,
         noise=jo.surface.draw_noise(cascade, key=jax.random.key(seed)),
-        breaking_wavenumber=float(cascade.wavenumber_limit),
+        breaking_wavenumber=min(BREAKING, float(cascade.wavenumber_limit)),
         spectrum=UncertainSea(ElfouhailySea(WAVE_AGE)),
         sky=CloudySky(HosekWilkie(TURBIDITY, sun_elevation=0.7), OPEN),
         water=jo.optics.Water(CHLOROPHYLL),
@@ -124,18 +127,16 @@ def taken(
     """
     light = _read(image, key)
     height, width, _ = light.shape
-    if min(height, width) < SMALLEST:
+    if min(height, width) < rows:
         raise UserError(
-            f"Key `{key}`: `{image}` must have at least {SMALLEST}×{SMALLEST} pixels, but has {width}×{height}: give "
-            "a larger one."
+            f"Key `{key}`: `{image}` must have at least {rows}×{rows} pixels, but has {width}×{height}: give a larger "
+            "one, or fewer `inference.rows`."
         )
     if not np.all(np.isfinite(light)):
         raise UserError(
             f"Key `{key}`: `{image}` holds light that is not finite: fill what is unknown and mask it."
         )
-    if float(np.max(np.abs(light - light.mean(axis=-1, keepdims=True)))) < 1e-3 * max(
-        float(light.max()), 1e-9
-    ):
+    if _grey(light):
         raise UserError(
             f"Key `{key}`: `{image}` is grey, and the horizon is found by colour too: give the colour image."
         )
@@ -153,8 +154,18 @@ def taken(
         pitch, roll = config.pitch, config.roll
     camera = Camera((0.0, 0.0, config.height), pitch=float(pitch), roll=float(roll), field_of_view=view)
     columns = max(2 * round(rows * width / height / 2), 2)
-    reduced = None if seen is None else _reduced(seen[..., None], rows, columns)[..., 0]
-    return Taken(_reduced(light, rows, columns), reduced, camera, light)
+    if seen is None:
+        return Taken(_reduced(light, rows, columns), None, camera, light)
+    share = _reduced(seen[..., None], rows, columns)
+    # What is hidden has no part in a mean.
+    whole = _reduced(light * seen[..., None], rows, columns) / np.maximum(share, 1e-3)
+    return Taken(whole, share[..., 0], camera, light)
+
+
+def _grey(light: np.ndarray) -> bool:
+    """Whether all but single pixels have hardly any colour."""
+    apart = np.ptp(light, axis=-1) / np.maximum(light.max(axis=-1), 1e-9)
+    return float(np.quantile(apart, 0.99)) < 0.01
 
 
 def _read(path: Path, key: str) -> np.ndarray:
@@ -241,7 +252,7 @@ def save_lesson(path: Path, lesson: Lesson) -> None:
     np.savez(
         partial, middle=summaries.middle, scale=summaries.scale, weights=summaries.weights, told=lesson.told
     )
-    partial.rename(path)
+    os.replace(partial, path)
 
 
 def read_lesson(path: Path) -> Lesson | None:

@@ -17,6 +17,7 @@ from jaxocean.spectra import JONSWAP
 
 from .. import schema
 from ..common import _build
+from ._photographs import BREAKING
 
 PATTERNS = schema.CascadeConfig(sizes=(1117.0, 127.0, 14.3), resolution=256)
 """Other patterns than those of the fit, and finer ones."""
@@ -75,8 +76,7 @@ def draw(config: schema.UnknownSeasConfig, number: int) -> Photograph:
         cascade=cascade,
         noise=jo.surface.draw_noise(cascade, key=jax.random.key(int(random.integers(2**31)))),
         choppiness=random.uniform(0.8, 1.2),
-        # What the fit's patterns can break with: a threshold means little without it.
-        breaking_wavenumber=float(_build.cascade(config.cascade).wavenumber_limit),
+        breaking_wavenumber=BREAKING,
         spectrum=JonswapSea(float(np.clip(np.exp(random.normal(0.0, 0.2)), DEVELOPED, 2.0))),
         # Half of the skies are clear.
         sky=CloudySky(sky, float(random.choice([0.0, random.uniform(0.0, 1.0)]))),

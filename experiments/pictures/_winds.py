@@ -10,14 +10,14 @@ from scipy import stats
 from fitting.pictures import PhotographFit
 from jaxocean import optics
 from jaxocean.render import Camera
+from jaxocean.whitecaps.laws import Monahan1980
 
 from ..common import _plots
 from ..harness._files import Files, variable
 from ..harness._result import Table
 from ._photographs import WIND
 
-MONAHAN = 3.84e-6, 3.41
-"""W = a U^b of Monahan & O'Muircheartaigh 1980."""
+MONAHAN = Monahan1980()
 
 LEAST_FOAM = 1e-5
 """Share of bright pixels below which there are none: a law inverted needs one."""
@@ -54,8 +54,8 @@ class Inferred:
     @property
     def from_foam(self) -> float:
         """U10 [m/s] by Monahan's law from the share of bright pixels."""
-        factor, power = MONAHAN
-        return (max(self.foam, LEAST_FOAM) / factor) ** (1 / power)
+        ratio = max(self.foam, LEAST_FOAM) / float(MONAHAN.coefficient)
+        return ratio ** (1 / float(MONAHAN.exponent))
 
 
 @dataclass(frozen=True)
@@ -79,22 +79,21 @@ def scores(inferred: Sequence[Inferred]) -> list[Score]:
     found = [each for each in inferred if not each.failure]
     true = np.asarray([each.true for each in found])
     inside = np.asarray([each.low <= each.true <= each.high for each in found])
-    # Of each image the median of the others: it may not know its own.
-    others = [np.median(np.delete(true, i)) if true.size > 1 else np.nan for i in range(true.size)]
+    constant = np.full(true.size, np.median(true) if true.size else np.nan)
     ways = (
         ("fit", [each.found for each in found], float(np.mean(inside)) if found else np.nan),
         ("regression alone", [each.guess for each in found], np.nan),
-        ("median wind of the others", others, np.nan),
+        ("constant median wind", constant, np.nan),
         ("bright pixels through Monahan 1980", [each.from_foam for each in found], np.nan),
     )
     return [_score(name, np.asarray(values, float), true, holding) for name, values, holding in ways]
 
 
 def _score(name: str, found: np.ndarray, true: np.ndarray, holding: float) -> Score:
-    if true.size < 2:
+    if not true.size:
         return Score(name, np.nan, np.nan, np.nan, np.nan, holding)
     # The same wind for all has no order.
-    same = np.ptp(found) == 0 or np.ptp(true) == 0
+    same = true.size < 2 or np.ptp(found) == 0 or np.ptp(true) == 0
     rank = np.nan if same else float(np.asarray(stats.spearmanr(found, true))[0])
     off = found - true
     return Score(

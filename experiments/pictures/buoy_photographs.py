@@ -70,7 +70,7 @@ def _labels(config: schema.BuoyPhotographsConfig, folder: Path) -> dict[str, flo
             f"Key `folder`: there is no `{labels}`: set it, or the environment variable {DATA_VARIABLE}, to "
             "where photographs lie with a labels.csv of the columns file and wind_speed_m_s."
         )
-    with labels.open(encoding="utf-8", newline="") as lines:
+    with labels.open(encoding="utf-8-sig", newline="") as lines:
         rows = list(csv.DictReader(lines))
     try:
         measured = {row["file"]: float(row["wind_speed_m_s"]) for row in rows}
@@ -96,7 +96,7 @@ def _infer(config: schema.BuoyPhotographsConfig, path: Path, true: float) -> dic
         image = _taken(config, path)
         foam = _winds.bright_share(image.light, image.camera, None)
         fit = _photographs.fit(image, config.camera, config.cascade, config.inference, config.seed)
-    except (FitError, UserError) as problem:
+    except (FitError, UserError, ValueError) as problem:
         failed = _winds.Inferred(
             name, true, nothing, nothing, nothing, nothing, nothing, nothing, nothing, str(problem)
         )
@@ -132,7 +132,7 @@ def _report(config: schema.BuoyPhotographsConfig, found: list[_winds.Score], res
     words = [
         f"**Rank correlation with the measured wind {fit.rank:.2f}, bias {fit.bias:+.1f} m/s, rms error "
         f"{fit.rms:.1f} m/s; {100 * fit.holding:.0f} % of the {level:g} % intervals hold the measured wind.** The "
-        f"median wind of the other photographs is off by {median.rms:.1f} m/s (rms), bright pixels through Monahan's "
+        f"constant median wind is off by {median.rms:.1f} m/s (rms), bright pixels through Monahan's "
         f"law by {foam.rms:.1f} m/s (rank correlation {foam.rank:.2f}).",
         "The camera is not known: its height and field of view are assumed, its tilt is from the horizon. The clouds "
         "of the photographs are in the model only as a mean over where they are. Measured winds are brought to 10 m "

@@ -16,6 +16,9 @@ from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _image_report, _image_views, _photographs, _unknown_scenes
 
+LEVEL = 0.08, 0.03
+"""Pitch and roll [rad] of a picture that is made here."""
+
 FRAMES = 6
 """Steps of the filmstrip, at most."""
 
@@ -34,7 +37,8 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
         found = _fitted(config, taken, progress, store)
     except KeyboardInterrupt:
         raise Interrupted(
-            "Interrupted: what is learned and the steps so far are kept, and the same command goes on from there."
+            "Interrupted: once the random states are drawn, what they taught and each step is kept, and the same "
+            "command goes on from there."
         ) from None
     except (FitError, ValueError) as problem:
         raise UserError(f"Key `image`: {problem}") from problem
@@ -50,7 +54,12 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
 
 def _made(config: schema.FitImageConfig) -> tuple[_photographs.Taken, float]:
     """A picture of a sea, and its wind."""
-    known = schema.UnknownSeasConfig(seed=config.seed, inference=config.inference)
+    camera = config.camera
+    if camera.pitch is None:
+        camera = camera.model_copy(update={"pitch": LEVEL[0], "roll": LEVEL[1]})
+    known = schema.UnknownSeasConfig(
+        seed=config.seed, inference=config.inference, camera=camera, cascade=config.cascade
+    )
     state = _unknown_scenes.draw(known, 0)
     columns = _unknown_scenes.columns(config.inference.rows)
     light = np.asarray(_unknown_scenes.picture(state, (config.inference.rows, columns), known.detail))
@@ -64,17 +73,17 @@ def _fitted(
     kept, learned = store.unfinished() / "steps.jsonl", store.unfinished() / "lesson.npz"
     before = _records.read(kept)
     lesson = _photographs.read_lesson(learned)
-    advance = progress.count(
-        "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // 64)
-    )
+    advance = None
+    if lesson is None:
+        advance = progress.count(
+            "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // 64)
+        )
 
     def report(step: PictureStep) -> None:
         values = {name: float(np.asarray(value)) for name, value in step.values.items()}
         _records.append(kept, {"cost": step.cost, "values": values})
         wind = f"U10 {values[_photographs.WIND]:.2f} m/s"
-        progress.step(
-            f"Step {step.number}: {wind}, cost {step.cost:.3g}; the first compiles, for a minute or two"
-        )
+        progress.step(f"Step {len(before) + step.number}: {wind}, cost {step.cost:.3g}")
 
     def taught(lesson) -> None:
         _photographs.save_lesson(learned, lesson)
@@ -96,11 +105,12 @@ def _fitted(
 
 def _frames(found: PhotographFit) -> list[tuple[str, np.ndarray]]:
     """Pictures of some steps of the way, with the same waves, the last one what was found."""
-    chosen = np.unique(np.linspace(0, len(found.steps) - 1, FRAMES).round().astype(int))
+    ways = [step.values for step in found.steps]
+    chosen = np.unique(np.linspace(0, len(ways) - 1, FRAMES).round().astype(int))
     rows, columns = found.size
     frames = []
     for number in chosen:
-        values = found.steps[number].values
+        values = ways[number]
         picture = _photographs.drawn(found.at(values), (2 * rows, 2 * columns))
         frames.append((f"step {number}: {float(np.asarray(values[_photographs.WIND])):.1f} m/s", picture))
     return [(title, np.asarray(picture)) for title, picture in jax.block_until_ready(frames)]

@@ -51,9 +51,10 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
         "rank_correlation": found[0].rank,
         "bias": found[0].bias,
         "median_error_of_the_regression": float(np.expm1(found[1].median_error)),
-        "seconds_median": float(np.median([each.seconds for each in inferred])),
+        "seconds_median": float(np.nanmedian([each.seconds for each in inferred] or [np.nan])),
     }
-    result = Result(values=values, tables=tables)
+    notes = [f"Sea {each.name}: {each.failure}" for each in inferred if each.failure]
+    result = Result(values=values, tables=tables, notes=notes)
     store.text("report.md", _report(config, result))
     return result
 
@@ -76,7 +77,7 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
         )
         values = fit.values
         inferred = _winds.Inferred.of(str(number), true, fit, config.inference.level, foam)
-    except FitError as problem:
+    except (FitError, ValueError) as problem:
         nothing = float("nan")
         inferred = _winds.Inferred(
             str(number), true, nothing, nothing, nothing, nothing, nothing, foam, nothing, str(problem)
@@ -124,8 +125,8 @@ def _report(config: schema.UnknownSeasConfig, result: Result) -> str:
         f"{level:g} % intervals hold the truth. The regression with which the fit begins has "
         f"{100 * v['median_error_of_the_regression']:.0f} %.",
         f"The pictures are of JONSWAP seas, drawn by rays with {config.detail}² times as many pixels and averaged; "
-        "the fit knows another family of spectra, other waves, and draws a mesh. Sun, clouds, direction, age of the "
-        "sea, λ, haze, water and coverage are unknown to it. A fit takes "
+        "the fit draws 2², as a mesh, and knows another family of spectra and other waves. Sun, clouds, direction, age "
+        "of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
         f"{v['seconds_median']:.0f} s in the median.",
         "![Pictures, and what was found in them](pictures.png)",
     ]

@@ -60,7 +60,7 @@ class InferenceConfig(Section):
     scouts: int = key(
         640, meaning="random states whose pictures teach what statistics tell", ge=100, le=100_000
     )
-    seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=1000)
+    seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=64)
     steps: int = key(4, meaning="of the way down, at most", ge=1, le=100)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)
     median_wind: float = key(8.5, unit="m/s", meaning="median of the prior of U10", gt=0, le=60)
@@ -79,6 +79,12 @@ class FitImageConfig(ExperimentConfig):
     inference: InferenceConfig = key(InferenceConfig(), meaning="how closely it is looked at")
     cascade: CascadeConfig = key(PATTERNS, meaning="the periodic patterns")
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.mask is not None and self.image is None:
+            raise wrong("mask", "be null where `image` is: what is made here hides nothing")
+        return self
+
     def inputs(self) -> tuple[str, ...]:
         return tuple(path for path in (self.image, self.mask) if path is not None)
 
@@ -90,7 +96,12 @@ class UnknownSeasConfig(ExperimentConfig):
     count: int = key(40, meaning="how many seas", ge=1, le=1000)
     lowest_wind: float = key(4.0, unit="m/s", meaning="least U10", gt=0, le=60)
     highest_wind: float = key(20.0, unit="m/s", meaning="greatest U10", gt=0, le=60)
-    detail: int = key(2, meaning="times as many rows and columns in the pictures, averaged", ge=1, le=8)
+    detail: int = key(
+        4,
+        meaning="times as many rows and columns in the pictures, averaged; the fit draws twice as many",
+        ge=1,
+        le=8,
+    )
     camera: PhotographCameraConfig = key(
         PhotographCameraConfig(pitch=0.08, roll=0.03), meaning="how they are taken"
     )

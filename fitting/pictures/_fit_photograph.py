@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 from jaxocean._numerics import check_kind
 from jaxocean.render import Raster, Rays
 
-from .._bounds import Real
+from .._bounds import Interval, Real
 from .._errors import FitError
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
@@ -29,6 +29,12 @@ from ._summaries import Lesson, Summaries, learn
 
 DRAWN = 64
 """Pictures of a state from which the chance of its statistics is known."""
+
+SCOUTS = 100_000
+"""Between the seeds of scouts and of what is compared."""
+
+TURN = 1.8
+"""Standard deviation [rad] of an angle of which nothing is known."""
 
 TELLING = 0.1
 """Least share of a goal's variance that its summary must tell to count."""
@@ -95,7 +101,13 @@ class PhotographFit:
         bounds = self.slots[place].bounds
         middle = bounds.unconstrain(jnp.asarray(self.values[name]))
         half = NormalDist().inv_cdf(0.5 + 0.5 * level) * np.sqrt(self.covariance[place, place])
-        low, high = (float(bounds.constrain(middle + side * half)) for side in (-1, 1))
+        ends = np.array([middle - half, middle + half])
+        if isinstance(bounds, Interval):
+            # Beyond its ends the line is folded back.
+            ends = np.clip(ends, -0.5 * np.pi, 0.5 * np.pi)
+        elif _turns(self.slots[place]):
+            ends = np.array([middle - min(half, np.pi), middle + min(half, np.pi)])
+        low, high = (float(bounds.constrain(jnp.asarray(end))) for end in ends)
         return low, high
 
 
@@ -185,7 +197,7 @@ def fit_photograph(
             lesson = _taught(problem, scouts, seed, scouted)
             if taught is not None:
                 taught(lesson)
-        if not np.any(lesson.told > TELLING):
+        if not np.any(_kept(problem, lesson)):
             raise FitError(
                 "The statistics of the image tell nothing of the free numbers",
                 "a view of too little sea, or a mask that hides it",
@@ -255,17 +267,21 @@ def _descend(
     report: Callable[[PictureStep], None] | None,
 ) -> _End:
     """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
-    kept = lesson.told > TELLING
-    count, best, weight = int(kept.sum()), None, None
-    for number in range(most_steps + 1):
+    kept = _kept(problem, lesson)
+    count = int(kept.sum())
+    middle, spread = _expected(problem, free, seed)
+    best, weight, step, vain = None, None, np.zeros(free.size), 0
+    for _ in range(most_steps + 1):
         drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
         seen = np.asarray(lesson.summaries(jnp.asarray(drawn)))
-        # Chance is that of where it is, until costs are to be compared.
-        if weight is None or number < 2:
-            weight = _whitening(seen, kept)
+        # Chance is that of the beginning, so that costs can be compared.
+        weight = _whitening(seen, kept) if weight is None else weight
         target = replace(problem.target, summaries=lesson.summaries, observed=aim, whitening=weight)
         rows, jacobian = (np.asarray(each) for each in look(problem.against(target), free))
-        rows = np.concatenate([np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim)), rows[count:]])
+        own = np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim))
+        expected = (np.asarray(free) - middle) / spread
+        rows = np.concatenate([own, rows[count:], expected[np.isfinite(spread)]])
+        jacobian = np.concatenate([jacobian, np.diag(1 / spread)[np.isfinite(spread)]])
         if not (np.all(np.isfinite(rows)) and np.all(np.isfinite(jacobian))):
             raise FitError(
                 "Pictures of a state, or their derivatives, are not finite",
@@ -273,20 +289,23 @@ def _descend(
                 "give priors or bounds that hold only seas",
             )
         cost = 0.5 * float(np.sum(rows**2))
-        gained = np.inf if best is None or number < 2 else best.cost - cost
-        if gained <= 0:
-            break
-        best = _End(cost, free, drawn, rows, jacobian, count)
-        steps.append(PictureStep(number, 1, cost, problem.named(np.asarray(problem.constrain(free)))))
-        if report is not None:
-            report(steps[-1])
-        if gained < GAIN:
-            break
-        step = -np.linalg.lstsq(jacobian, rows)[0]
-        step = step * min(1.0, LONGEST / max(float(np.max(np.abs(step))), 1e-12))
-        if cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2)) < GAIN:
-            break
-        free = free + jnp.asarray(step)
+        gained = np.inf if best is None else best.cost - cost
+        if gained > 0:
+            best, vain = _End(cost, free, drawn, rows, jacobian, count), 0
+            values = problem.named(np.asarray(problem.constrain(free)))
+            steps.append(PictureStep(len(steps), 1, cost, values))
+            if report is not None:
+                report(steps[-1])
+            step = np.clip(-np.linalg.lstsq(jacobian, rows)[0], -LONGEST, LONGEST)
+            if min(gained, cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2))) < GAIN:
+                break
+        else:
+            vain += 1
+            step = 0.3 * step
+            if vain == 2:
+                break
+        assert best is not None
+        free = best.free + jnp.asarray(step)
     assert best is not None
     return best
 
@@ -294,7 +313,8 @@ def _descend(
 def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[], None] | None) -> Lesson:
     random = np.random.default_rng(seed)
     points = np.stack([_from_priors(problem, random) for _ in range(scouts)])
-    drawn = _at(problem, points, seed, scouted)
+    # Other seas than those that later make means and chances: these must not be what was learned from.
+    drawn = _at(problem, points, seed + SCOUTS, scouted)
     sound = np.all(np.isfinite(drawn), axis=1)
     if np.mean(sound) < 0.5:
         raise FitError(
@@ -330,7 +350,7 @@ def _at(
 def _nothing(statistics: ImageStatistics) -> Summaries:
     """In the place of what is not yet learned."""
     count = len(statistics.names)
-    return Summaries(jnp.zeros(count), jnp.ones(count), jnp.zeros((2 * count + 1, 1)))
+    return Summaries(jnp.zeros(count), jnp.ones(count), jnp.zeros((count + 1, 1)))
 
 
 def _whitening(drawn: Float[np.ndarray, "sea q"], kept: np.ndarray) -> Array:
@@ -364,6 +384,30 @@ def _from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[
             )
         values.append(float(value))
     return np.asarray(values)
+
+
+def _kept(problem: PictureProblem, lesson: Lesson) -> np.ndarray:
+    """Which summaries count: those that tell something, of angles both or none."""
+    kept, place = lesson.told > TELLING, 0
+    for slot in problem.slots:
+        if _turns(slot):
+            kept[place : place + 2] = kept[place : place + 2].any()
+        place += 2 if _turns(slot) else 1
+    return kept
+
+
+def _expected(problem: PictureProblem, guess: Array, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and deviation of what scouts were drawn from, for numbers without a prior; of others an endless one.
+
+    Of an angle the mean is where the way begins: it holds one that no picture tells.
+    """
+    random = np.random.default_rng(seed)
+    points = np.stack([_from_priors(problem, random) for _ in range(DRAWN)])
+    turns = np.array([_turns(slot) for slot in problem.slots])
+    known = np.array([prior is not None for prior in problem.priors])
+    middle = np.where(turns, np.asarray(guess), points.mean(axis=0))
+    spread = np.where(turns, TURN, points.std(axis=0))
+    return middle, np.where(known, np.inf, spread)
 
 
 def _from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:

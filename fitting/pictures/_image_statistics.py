@@ -8,18 +8,21 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxocean._numerics import check_kind
+from jaxocean._numerics import check_kind, is_concrete
 from jaxocean._types import Scalar
 from jaxocean.optics import luminance
 from jaxocean.render import Camera
 
 from ._picture_target import Mask
 
-EDGES = np.radians([0.6, 2.0, 5.0, 10.0, 18.0])
-"""Between the bands, how far below the horizon [rad]: for an eye at 4 m from 380 m to 12 m away."""
+EDGES = np.radians([0.4, 0.8, 1.6, 3.2, 6.4, 11.0, 18.0])
+"""Between the bands, how far below the horizon [rad]: for an eye at 4 m from 570 m to 12 m away."""
 
 SKY = np.radians([-4.0, -0.5])
 """The band above the horizon [rad]."""
+
+LIMIT = 2.0
+"""Robust standard deviations to which light is limited before texture is measured: foam and glitter are not texture."""
 
 SOFTNESS = 0.15
 """Of the bands' edges, in the logarithm of the angle below the horizon."""
@@ -28,7 +31,7 @@ OCTAVES = 4
 """Squares of 1, 2, 4 and 8 pixels, of which neighbours are compared along the horizon; across it one size fewer."""
 
 DARKEST = 0.05
-"""Light [medians] that is added before logarithms: a black pixel says no more than a dark one."""
+"""Light [means] that is added before logarithms: a black pixel says no more than a dark one."""
 
 BRIGHT = 3.0
 """Robust standard deviations above the middle of its band at which a pixel begins to count as bright."""
@@ -42,6 +45,9 @@ DARK = 1e-9
 FEW = 3e-4
 """Share of pixels that is added before logarithms."""
 
+FEW_COLOURED = 0.01
+"""Share of pixels of the band's own colour that is added to the bright ones."""
+
 PATCH = 16.0
 """Pixels that are alike by being neighbours: how many fewer tell a threshold than there are."""
 
@@ -52,19 +58,20 @@ THIRDS = 3
 class ImageStatistics(eqx.Module):
     """Numbers of a picture that depend on the sea's state and the light, and on the random waves only by chance.
 
-    In bands between `EDGES` below the horizon, of ℓ = log(Y/median + 0.05) with the luminance Y:
+    In bands between `EDGES` below the horizon, of ℓ = log(Y/mean + 0.05) with the luminance Y and its mean over the
+    sea:
 
     | names | what they are |
     |---|---|
     | `level` | mean ℓ of the band less that of the whole sea |
-    | `spread` | ½ log of its variance |
+    | `spread`, `deviation` | ½ log of its variance; log of its robust deviation s |
     | `bright` | log share of pixels above a robust threshold t = m + 3 s |
     | `foam` | log share of pixels twice as bright as the middle of the band |
     | `colour`, `bright colour` | mean log(red/blue) less that of the sea; of bright pixels less that of their band |
     | `along`, `across` | texture: ½ log mean square difference of neighbouring squares of 1, 2, 4, 8 pixels |
     | `glitter width` | log standard deviation [rad] from side to side of what is brighter than the middle |
     | `left`, `middle` | how light changes from side to side |
-    | `relief` | ½ log variance from column to column just above the horizon, where crests stand |
+    | `relief` | ½ log mean square change from column to column just above the horizon, where crests stand |
     | `sky`, `sky colour` | mean ℓ and log(red/blue) above the horizon less those of the sea |
 
     Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; the farthest band has none.
@@ -104,7 +111,7 @@ class ImageStatistics(eqx.Module):
         along, ahead = (jnp.einsum("rci,i->rc", rays, axes[i]) for i in (0, 2))
         self.sideways = jnp.arctan2(along, jnp.maximum(ahead, 1e-6))
         self.size = size
-        if float(jnp.sum(self.bands)) < PATCH:
+        if is_concrete(self.bands) and float(jnp.sum(self.bands)) < PATCH:
             raise ValueError("Argument `camera` must see the sea, but hardly a pixel lies below the horizon.")
 
     def __call__(self, image: Float[Array, "rows columns 3"]) -> Float[Array, " m"]:
@@ -149,18 +156,20 @@ class ImageStatistics(eqx.Module):
             bright = jax.nn.sigmoid((own - centre - BRIGHT * deviation) / unsure)
             share = _mean(bright, band)
             add(f"level {at}", mean - whole)
+            add(f"deviation {at}", jnp.log(deviation))
             add(f"spread {at}", 0.5 * jnp.log(variance + 1e-5))
             add(f"bright {at}", jnp.log(share + FEW))
             add(f"foam {at}", jnp.log(_mean(jax.nn.sigmoid((own - centre - FOAMY) / 0.07), band) + FEW))
             add(f"colour {at}", _mean(hue, band) - tint)
-            # Of few bright pixels the colour is chance: a share of `FEW` draws it to that of the band.
-            tinted = _mean(bright * (hue - _mean(hue, band)), band) / (share + 0.01)
+            # Of few bright pixels the colour is chance: it is drawn to that of the band.
+            tinted = _mean(bright * (hue - _mean(hue, band)), band) / (share + FEW_COLOURED)
             add(f"bright colour {at}", tinted)
+            limited = centre + LIMIT * deviation * jnp.tanh((own - centre) / (LIMIT * deviation))
             # What the farthest band shows as texture are single pixels: how a camera samples, not what it sees.
             for octave in range(OCTAVES if number > 1 else 0):
-                add(f"along {2**octave} px {at}", _texture(own, band, 2**octave, 1))
+                add(f"along {2**octave} px {at}", _texture(limited, band, 2**octave, 1))
                 if octave < OCTAVES - 1:
-                    add(f"across {2**octave} px {at}", _texture(own, band, 2**octave, 0))
+                    add(f"across {2**octave} px {at}", _texture(limited, band, 2**octave, 0))
         halves = self.bands.shape[0] // 2
         for name, half in (("far", self.bands[:halves]), ("near", self.bands[halves:])):
             band = jnp.sum(half, axis=0).astype(dtype)
@@ -180,14 +189,16 @@ class ImageStatistics(eqx.Module):
             add(f"left {name}", left - right)
             add(f"middle {name}", centre - 0.5 * (left + right))
         sky = self.above.astype(dtype)
-        columns = jnp.sum(own * sky, axis=0) / jnp.maximum(jnp.sum(sky, axis=0), 1e-3)
-        add("relief", 0.5 * jnp.log(jnp.mean((columns[1:] - columns[:-1]) ** 2) + 1e-5))
+        seen = jnp.sum(sky, axis=0)
+        columns = jnp.sum(own * sky, axis=0) / jnp.maximum(seen, 1e-3)
+        change = (columns[1:] - columns[:-1]) ** 2
+        add("relief", 0.5 * jnp.log(_mean(change, seen[1:] * seen[:-1]) + 1e-5))
         add("sky", jnp.where(jnp.sum(sky) > PATCH, _mean(own, sky) - whole, 0.0))
         add("sky colour", jnp.where(jnp.sum(sky) > PATCH, _mean(hue, sky) - tint, 0.0))
         return found
 
 
-def _mean(values: Float[Array, "y x"], weights: Float[Array, "y x"]) -> Scalar:
+def _mean(values: Float[Array, "*s"], weights: Float[Array, "*s"]) -> Scalar:
     """0 where nothing counts."""
     return jnp.sum(values * weights) / jnp.maximum(jnp.sum(weights), 1e-3)
 
@@ -216,7 +227,9 @@ def _texture(values: Float[Array, "y x"], weights: Float[Array, "y x"], side: in
             (part(array, i, count - side + 1 + i) for i in range(1, side)), part(array, 0, count - side + 1)
         )
 
-    means, counted = sums(values) / side, sums(weights) / side
+    counted = sums(weights) / side
+    # What is hidden has no part in a mean.
+    means = sums(values * weights) / side / jnp.maximum(counted, 1e-6)
     last = means.shape[axis]
     difference = part(means, side, last) - part(means, 0, last - side)
     both = part(counted, side, last) * part(counted, 0, last - side)

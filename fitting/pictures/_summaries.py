@@ -15,12 +15,12 @@ FARTHEST = 4.0
 
 
 class Summaries(eqx.Module):
-    """A regression from statistics to the numbers sought: a few numbers that hold most of what many say.
+    """A linear regression from statistics to the numbers sought: a few numbers that hold most of what many say.
 
     Used as data of a fit, not as its result: what matters is that they are the same function of the photograph and of
     the pictures of a scene (semi-automatic summaries, Fearnhead & Prangle 2012).
 
-    **Arguments:** `middle`, `scale` of the statistics; `weights` of 1, of each and of its square.
+    **Arguments:** `middle`, `scale` of the statistics; `weights` of 1 and of each.
     """
 
     middle: Float[Array, " m"]
@@ -77,14 +77,13 @@ def learn(
     columns = [_ridge(features, goals[:, [q]], RIDGES[best[q]])[:, 0] for q in range(goals.shape[1])]
     scale = np.where(used & (scale > 1e-9), scale, np.inf)
     summaries = Summaries(*(jnp.asarray(each) for each in (middle, scale, np.stack(columns, axis=1))))
-    told = 1 - (least / goals.std(axis=0)) ** 2
+    told = 1 - (errors[best, np.arange(goals.shape[1])] / goals.std(axis=0)) ** 2
     return Lesson(summaries, np.maximum(told, 0.0))
 
 
 def _features(scaled: Float[Array, "*b m"]) -> Float[Array, "*b feature"]:
-    # Far outside of what was learned a square would say anything.
     near = FARTHEST * jnp.tanh(scaled / FARTHEST)
-    return jnp.concatenate([jnp.ones_like(near[..., :1]), near, near**2 - 1], axis=-1)
+    return jnp.concatenate([jnp.ones_like(near[..., :1]), near], axis=-1)
 
 
 def _ridge(features: np.ndarray, goals: np.ndarray, ridge: float) -> np.ndarray:

@@ -51,7 +51,9 @@ def read_image(path: str | os.PathLike) -> np.ndarray:
     import imageio.v3 as imageio
 
     try:
-        pixels = np.asarray(imageio.imread(source, plugin="pillow"))
+        # Cameras say in the file which side is up; inks and single bits are no colours yet.
+        mode = {"CMYK": "RGB", "1": "L"}.get(_mode(source))
+        pixels = np.asarray(imageio.imread(source, plugin="pillow", rotate=True, mode=mode))  # pyright: ignore[reportCallIssue]
     except (OSError, ValueError, SyntaxError) as problem:
         raise ValueError(
             f"The image `{source}` cannot be read: it is damaged or of an unknown format."
@@ -64,6 +66,13 @@ def read_image(path: str | os.PathLike) -> np.ndarray:
     colours = planes[..., :3] if planes.shape[-1] >= 3 else np.repeat(planes[..., :1], 3, axis=-1)
     code = colours.astype(np.float32) / np.iinfo(pixels.dtype).max
     return np.asarray(decode_srgb(jnp.asarray(code)))
+
+
+def _mode(source: Path) -> str:
+    from PIL import Image
+
+    with Image.open(source) as image:
+        return image.mode
 
 
 def read_panorama(path: str | os.PathLike, scale: float | int = 1.0) -> ImageSky:

@@ -126,6 +126,12 @@ def test_a_spectral_sky_is_nearly_the_clear_one():
     np.testing.assert_allclose(spectral.irradiance(), clear.irradiance(), rtol=0.05)
 
 
+def test_clouds_hide_their_share_of_the_sun():
+    clear, cloudy = (_scene.sky(scene(f"sky.cover={cover}").sky) for cover in (0.0, 0.6))
+    assert isinstance(clear, optics.sky.HosekWilkie)
+    np.testing.assert_allclose(cloudy.sun_irradiance, 0.4 * clear.sun_irradiance, rtol=1e-5)
+
+
 @pytest.mark.slow
 def test_the_layer_of_coverage_is_the_foam_that_is_seen(folder, tmp_path):
     other = execute(load("render", [*SMALL, "foam.view=flat"], output=str(tmp_path))).folder

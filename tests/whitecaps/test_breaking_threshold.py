@@ -46,8 +46,7 @@ def test_what_no_threshold_covers_ends_at_the_end_with_finite_derivatives(stats)
     assert 0.0 <= tiny < 0.05
     assert np.isfinite(gradient)
     calm = jax.tree.map(jnp.zeros_like, stats)
-    flat = jax.tree.map(lambda own, zero: zero, stats, calm)
-    assert np.all(np.isfinite(jax.grad(lambda w: breaking_threshold(flat, w))(0.1)))
+    assert np.isfinite(jax.grad(lambda w: breaking_threshold(calm, w))(0.1))
 
 
 @pytest.mark.parametrize("coverage", [0.0, 1.0, -0.1])
