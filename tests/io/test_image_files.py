@@ -107,3 +107,29 @@ def test_without_openexr_one_is_told_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     with pytest.raises(ImportError, match="pip install OpenEXR"):
         write_exr(tmp_path / "depth.exr", {"depth.Z": np.ones((4, 8))})
+
+
+def test_pictures_of_phones_printers_and_masks_are_read_as_they_look(tmp_path):
+    from PIL import Image
+
+    colours = np.zeros((4, 6, 3), np.uint8)
+    colours[:2] = (200, 40, 90)
+    upright = read_image(_saved(tmp_path / "a.png", Image.fromarray(colours)))
+    # Held on its side: the file says how to turn it.
+    lying = Image.fromarray(np.rot90(colours).copy())
+    exif = lying.getexif()
+    exif[0x0112] = 6
+    path = tmp_path / "b.png"
+    lying.save(path, exif=exif)
+    np.testing.assert_allclose(read_image(path), upright, atol=1e-6)
+    inks = Image.fromarray(colours).convert("CMYK")
+    path = tmp_path / "c.jpg"
+    inks.save(path, quality=100, subsampling=0)
+    np.testing.assert_allclose(read_image(path), upright, atol=0.05)
+    bits = Image.fromarray((colours[..., 0] > 0).astype(np.uint8) * 255).convert("1")
+    np.testing.assert_array_equal(read_image(_saved(tmp_path / "d.png", bits))[..., 0], colours[..., 0] > 0)
+
+
+def _saved(path, image):
+    image.save(path)
+    return path
