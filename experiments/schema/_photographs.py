@@ -61,7 +61,7 @@ class InferenceConfig(Section):
         640, meaning="random states whose pictures teach what statistics tell", ge=100, le=100_000
     )
     seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=64)
-    steps: int = key(4, meaning="of the way down, at most", ge=1, le=100)
+    steps: int = key(2, meaning="of the way down, at most", ge=1, le=100)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)
     median_wind: float = key(8.5, unit="m/s", meaning="median of the prior of U10", gt=0, le=60)
     wind_spread: float = key(0.6, unit="-", meaning="standard deviation of ln U10 in the prior", gt=0, le=3)

@@ -125,7 +125,7 @@ def fit_photograph(
     seas: int = 4,
     lesson: Lesson | None = None,
     begin: Mapping[str, float] | None = None,
-    most_steps: int = 4,
+    most_steps: int = 2,
     seed: int = 0,
     report: Callable[[PictureStep], None] | None = None,
     scouted: Callable[[], None] | None = None,
@@ -211,7 +211,7 @@ def fit_photograph(
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
-        covariance, free_values = end.covariance(), end.free
+        covariance, free_values = _no_smaller(problem, lesson, end.covariance(), seed), end.free
         values = np.asarray(problem.constrain(free_values))
         stretch = np.abs(np.asarray(problem.stretch(free_values)))
         guessed = problem.named(np.asarray(problem.constrain(guess)))
@@ -401,13 +401,35 @@ def _expected(problem: PictureProblem, guess: Array, seed: int) -> tuple[np.ndar
 
     Of an angle the mean is where the way begins: it holds one that no picture tells.
     """
-    random = np.random.default_rng(seed)
-    points = np.stack([_from_priors(problem, random) for _ in range(DRAWN)])
+    mean, deviation = _scattered(problem, seed)
     turns = np.array([_turns(slot) for slot in problem.slots])
     known = np.array([prior is not None for prior in problem.priors])
-    middle = np.where(turns, np.asarray(guess), points.mean(axis=0))
-    spread = np.where(turns, TURN, points.std(axis=0))
+    middle = np.where(turns, np.asarray(guess), mean)
+    spread = np.where(turns, TURN, deviation)
     return middle, np.where(known, np.inf, spread)
+
+
+def _no_smaller(problem: PictureProblem, lesson: Lesson, covariance: np.ndarray, seed: int) -> np.ndarray:
+    """A covariance whose errors are at least those that the summaries have for scouts that they have not seen.
+
+    The derivative of a mean over a few seas is rough: where it happens to be steep it promises too much.
+    """
+    _, spread = _scattered(problem, seed)
+    told, place, factors = lesson.told, 0, np.ones(len(spread))
+    for number, slot in enumerate(problem.slots):
+        turns = _turns(slot)
+        if not turns:
+            least = np.sqrt(1 - told[place]) * spread[number]
+            factors[number] = max(least / np.sqrt(covariance[number, number]), 1.0)
+        place += 2 if turns else 1
+    return covariance * np.outer(factors, factors)
+
+
+def _scattered(problem: PictureProblem, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and deviation of what scouts are drawn from, on the real line of the bounds."""
+    random = np.random.default_rng(seed)
+    points = np.stack([_from_priors(problem, random) for _ in range(DRAWN)])
+    return points.mean(axis=0), points.std(axis=0)
 
 
 def _from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:
