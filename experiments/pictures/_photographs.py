@@ -1,7 +1,7 @@
 """What experiments on photographs share: how an image is read, what is sought, and what is not known besides."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +34,14 @@ FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
 UNITS = ("m/s", "rad", "rad", "-")
 WIND = "speed"
 
+PLACES: dict[str, Callable] = {
+    WIND: lambda m: m.scene.wind.speed,
+    "sun_elevation": lambda m: m.scene.sky.clear.sun_elevation,
+    "sun_azimuth": lambda m: m.scene.sky.clear.sun_azimuth,
+    "cover": lambda m: m.scene.sky.cover,
+}
+"""Where the numbers of `FREE` stand in the model, by the names that a fit gives them."""
+
 HIGHEST_SUN = 1.45
 TURBIDITY, CHLOROPHYLL, OPEN, BLUR = 3.5, 0.15, 0.3, 0.07
 WAVE_AGE, DEVELOPED = 1.0, 0.84
@@ -45,12 +53,11 @@ BREAKING = 6.0
 
 def free(config: schema.InferenceConfig) -> list[Parameter]:
     """What is sought, in the order of `FREE`, with what is known of it before."""
-    return [
-        Parameter(lambda m: m.scene.wind.speed, prior=LogNormal(config.median_wind, config.wind_spread)),
-        Parameter(lambda m: m.scene.sky.clear.sun_elevation, bounds=Interval(0.05, HIGHEST_SUN)),
-        Parameter(lambda m: m.scene.sky.clear.sun_azimuth),
-        Parameter(lambda m: m.scene.sky.cover),
-    ]
+    known = {
+        WIND: {"prior": LogNormal(config.median_wind, config.wind_spread)},
+        "sun_elevation": {"bounds": Interval(0.05, HIGHEST_SUN)},
+    }
+    return [Parameter(where, **known.get(name, {})) for name, where in PLACES.items()]
 
 
 def vary(photograph: Photograph, key) -> Photograph:
@@ -225,18 +232,17 @@ def fit(
 
 def with_values(photograph: Photograph, values: Mapping[str, float]) -> Photograph:
     """The state with numbers that were found in it."""
-    sky = lambda m: m.scene.sky
-    places = {
-        WIND: lambda m: m.scene.wind.speed,
-        "sun_elevation": lambda m: sky(m).clear.sun_elevation,
-        "sun_azimuth": lambda m: sky(m).clear.sun_azimuth,
-        "cover": lambda m: sky(m).cover,
-    }
-    return eqx.tree_at(
-        lambda m: [places[name](m) for name in values],
-        photograph,
-        [jnp.asarray(value, jnp.float32) for value in values.values()],
-    )
+    found = [jnp.asarray(values[name], jnp.float32) for name in PLACES]
+    return eqx.tree_at(lambda m: [where(m) for where in PLACES.values()], photograph, found)
+
+
+def found_picture(
+    image: Taken, config: schema.UnknownSeasConfig | schema.BuoyPhotographsConfig, values: Mapping[str, float]
+) -> np.ndarray:
+    """A sea of the state found in an image, of twice as many rows and columns as were compared."""
+    state = with_values(start(image.camera, config.camera, config.cascade, config.seed), values)
+    rows, columns, _ = image.light.shape
+    return np.asarray(jax.block_until_ready(drawn(state, (2 * rows, 2 * columns))))
 
 
 @eqx.filter_jit

@@ -1,5 +1,6 @@
 """Winds found in several images: how good they are, and how good what needs no model is."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -50,6 +51,12 @@ class Inferred:
         """From a fit."""
         low, high = fit.interval(WIND, level)
         return cls(name, true, fit.values[WIND], low, high, fit.guess[WIND], fit.misfit, foam, fit.seconds)
+
+    @classmethod
+    def failed(cls, name: str, true: float, failure: Exception, foam: float = math.nan) -> "Inferred":
+        """Where there is no fit, and why."""
+        nothing = math.nan
+        return cls(name, true, nothing, nothing, nothing, nothing, nothing, foam, nothing, str(failure))
 
     @property
     def from_foam(self) -> float:

@@ -4,9 +4,6 @@ import csv
 from dataclasses import asdict
 from pathlib import Path
 
-import jax
-import numpy as np
-
 import jaxocean as jo
 from fitting import FitError
 
@@ -91,16 +88,14 @@ def _taken(config: schema.BuoyPhotographsConfig, path: Path) -> _photographs.Tak
 
 
 def _infer(config: schema.BuoyPhotographsConfig, path: Path, true: float) -> dict:
-    name, nothing = path.stem.split("_")[0], float("nan")
+    name = path.stem.split("_")[0]
     try:
         image = _taken(config, path)
-        foam = _winds.bright_share(image.light, image.camera, None)
         fit = _photographs.fit(image, config.camera, config.cascade, config.inference, config.seed)
     except (FitError, UserError, ValueError) as problem:
-        failed = _winds.Inferred(
-            name, true, nothing, nothing, nothing, nothing, nothing, nothing, nothing, str(problem)
-        )
+        failed = _winds.Inferred.failed(name, true, problem)
         return {"file": path.name, "inferred": asdict(failed), "values": {}}
+    foam = _winds.bright_share(image.light, image.camera, None)
     inferred = _winds.Inferred.of(name, true, fit, config.inference.level, foam)
     return {"file": path.name, "inferred": asdict(inferred), "values": fit.values}
 
@@ -113,11 +108,7 @@ def _show(store: Files, config: schema.BuoyPhotographsConfig, folder: Path, reco
         if each["failure"]:
             continue
         image = _taken(config, folder / record["file"])
-        state = _photographs.with_values(
-            _photographs.start(image.camera, config.camera, config.cascade, config.seed), record["values"]
-        )
-        size = 2 * config.inference.rows, 2 * image.light.shape[1]
-        picture = np.asarray(jax.block_until_ready(_photographs.drawn(state, size)))
+        picture = _photographs.found_picture(image, config, record["values"])
         titles = (
             f"{each['name']}: measured {each['true']:.1f} m/s",
             f"found {each['found']:.1f} ({each['low']:.1f} to {each['high']:.1f}) m/s",

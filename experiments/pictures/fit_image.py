@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from fitting import FitError
-from fitting.pictures import PhotographFit, PictureStep
+from fitting.pictures import DRAWN, PhotographFit, PictureStep
 
 from .. import schema
 from ..harness import _records
@@ -76,7 +76,7 @@ def _fitted(
     advance = None
     if lesson is None:
         advance = progress.count(
-            "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // 64)
+            "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // DRAWN)
         )
 
     def report(step: PictureStep) -> None:

@@ -2,10 +2,10 @@
 
 from dataclasses import asdict
 
-import jax
 import numpy as np
 
 from fitting import FitError
+from fitting.pictures import Photograph
 
 from .. import schema
 from ..common._markdown import page
@@ -61,10 +61,8 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
 
 def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
     state = _unknown_scenes.draw(config, number)
-    image = _taken(config, number)
-    true = float(state.scene.wind.speed)
+    image, true = _taken(config, state), float(state.scene.wind.speed)
     foam = _winds.bright_share(image.light, image.camera, None)
-    values, inferred = {}, None
     try:
         fit = _photographs.fit(
             image,
@@ -75,19 +73,15 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
             lesson=_photographs.read_lesson(learned),
             taught=lambda lesson: _photographs.save_lesson(learned, lesson),
         )
-        values = fit.values
-        inferred = _winds.Inferred.of(str(number), true, fit, config.inference.level, foam)
     except (FitError, ValueError) as problem:
-        nothing = float("nan")
-        inferred = _winds.Inferred(
-            str(number), true, nothing, nothing, nothing, nothing, nothing, foam, nothing, str(problem)
-        )
-    return {"number": number, "inferred": asdict(inferred), "values": values}
+        failed = _winds.Inferred.failed(str(number), true, problem, foam)
+        return {"number": number, "inferred": asdict(failed), "values": {}}
+    inferred = _winds.Inferred.of(str(number), true, fit, config.inference.level, foam)
+    return {"number": number, "inferred": asdict(inferred), "values": fit.values}
 
 
-def _taken(config: schema.UnknownSeasConfig, number: int) -> _photographs.Taken:
+def _taken(config: schema.UnknownSeasConfig, state: Photograph) -> _photographs.Taken:
     """The picture of a sea."""
-    state = _unknown_scenes.draw(config, number)
     size = config.inference.rows, _unknown_scenes.columns(config.inference.rows)
     light = np.asarray(_unknown_scenes.picture(state, size, config.detail))
     return _photographs.Taken(light, None, state.scene.camera, light)
@@ -103,12 +97,8 @@ def _show(store: Files, config: schema.UnknownSeasConfig, records: list[dict]) -
     )
     parts = []
     for record in chosen:
-        image = _taken(config, record["number"])
-        state = _photographs.with_values(
-            _photographs.start(image.camera, config.camera, config.cascade, config.seed), record["values"]
-        )
-        size = 2 * config.inference.rows, 2 * image.light.shape[1]
-        picture = np.asarray(jax.block_until_ready(_photographs.drawn(state, size)))
+        image = _taken(config, _unknown_scenes.draw(config, record["number"]))
+        picture = _photographs.found_picture(image, config, record["values"])
         true, wind = record["inferred"]["true"], record["inferred"]["found"]
         parts.append(
             (image.light, picture, (f"Picture, {true:.1f} m/s", f"A sea of the state found, {wind:.1f} m/s"))

@@ -1,6 +1,7 @@
 """From a picture back to the sea."""
 
 from ._descent import PictureStep as PictureStep
+from ._fit_photograph import DRAWN as DRAWN
 from ._fit_photograph import PhotographFit as PhotographFit
 from ._fit_photograph import fit_photograph as fit_photograph
 from ._fit_picture import PictureFit as PictureFit

@@ -141,7 +141,7 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
 def polish(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array, Array]:
     """Gauss–Newton steps with residuals and derivatives of one method, until they gain nothing.
 
-    **Returns:** where that ends, and the residuals and their derivatives there, or almost there.
+    **Returns:** where that ends, and the residuals and their derivatives there.
     """
     jacobian = look(problem, free)[1]
     for _ in range(POLISHES):

@@ -207,11 +207,12 @@ def fit_photograph(
         guess = jnp.asarray(_from_goals(problem, np.asarray(aim)))
         free_values = guess if begin is None else _from_names(problem, begin)
         steps: list[PictureStep] = []
-        end = _descend(problem, lesson, aim, free_values, most_steps, seed, steps, report)
+        scattered = _scattered(problem, seed)
+        end = _descend(problem, lesson, aim, free_values, scattered, most_steps, seed, steps, report)
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
-        covariance, free_values = _no_smaller(problem, lesson, end.covariance(), seed), end.free
+        covariance, free_values = _no_smaller(problem, lesson, end.covariance(), scattered[1]), end.free
         values = np.asarray(problem.constrain(free_values))
         stretch = np.abs(np.asarray(problem.stretch(free_values)))
         guessed = problem.named(np.asarray(problem.constrain(guess)))
@@ -261,6 +262,7 @@ def _descend(
     lesson: Lesson,
     aim: Array,
     free: Array,
+    scattered: tuple[np.ndarray, np.ndarray],
     most_steps: int,
     seed: int,
     steps: list[PictureStep],
@@ -269,7 +271,7 @@ def _descend(
     """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
     kept = _kept(problem, lesson)
     count = int(kept.sum())
-    middle, spread = _expected(problem, free, seed)
+    middle, spread = _expected(problem, free, *scattered)
     best, weight, step, vain = None, None, np.zeros(free.size), 0
     for _ in range(most_steps + 1):
         drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
@@ -396,12 +398,13 @@ def _kept(problem: PictureProblem, lesson: Lesson) -> np.ndarray:
     return kept
 
 
-def _expected(problem: PictureProblem, guess: Array, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def _expected(
+    problem: PictureProblem, guess: Array, mean: np.ndarray, deviation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Mean and deviation of what scouts were drawn from, for numbers without a prior; of others an endless one.
 
     Of an angle the mean is where the way begins: it holds one that no picture tells.
     """
-    mean, deviation = _scattered(problem, seed)
     turns = np.array([_turns(slot) for slot in problem.slots])
     known = np.array([prior is not None for prior in problem.priors])
     middle = np.where(turns, np.asarray(guess), mean)
@@ -409,12 +412,13 @@ def _expected(problem: PictureProblem, guess: Array, seed: int) -> tuple[np.ndar
     return middle, np.where(known, np.inf, spread)
 
 
-def _no_smaller(problem: PictureProblem, lesson: Lesson, covariance: np.ndarray, seed: int) -> np.ndarray:
+def _no_smaller(
+    problem: PictureProblem, lesson: Lesson, covariance: np.ndarray, spread: np.ndarray
+) -> np.ndarray:
     """A covariance whose errors are at least those that the summaries have for scouts that they have not seen.
 
     The derivative of a mean over a few seas is rough: where it happens to be steep it promises too much.
     """
-    _, spread = _scattered(problem, seed)
     told, place, factors = lesson.told, 0, np.ones(len(spread))
     for number, slot in enumerate(problem.slots):
         turns = _turns(slot)
