@@ -254,10 +254,7 @@ def drawn(photograph: Photograph, size: tuple[int, int]) -> jax.Array:
 def save_lesson(path: Path, lesson: Lesson) -> None:
     """Keep what scouts taught; the file appears whole."""
     partial = path.with_suffix(".part.npz")
-    summaries = lesson.summaries
-    np.savez(
-        partial, middle=summaries.middle, scale=summaries.scale, weights=summaries.weights, told=lesson.told
-    )
+    np.savez(partial, allow_pickle=False, **lesson.arrays)
     os.replace(partial, path)
 
 
@@ -266,4 +263,4 @@ def read_lesson(path: Path) -> Lesson | None:
     if not path.is_file():
         return None
     with np.load(path, allow_pickle=False) as kept:
-        return Lesson.of(kept["middle"], kept["scale"], kept["weights"], kept["told"])
+        return Lesson.of(dict(kept))

@@ -113,7 +113,7 @@ def report(config: schema.PictureRecoveryConfig, recoveries: Sequence, result: R
         f"{100 * config.truths.furthest_start:g} % off (directions in radians, exposures twice that in stops).",
         f"**{100 * v['interval_coverage']:.0f} %** of the {100 * config.level:g} % intervals hold the truth. They "
         "count how differently parts of the image pull, and how far the numbers would move if the picture were "
-        "drawn with four rays a pixel.",
+        "drawn by the other method, or with a single look at each pixel.",
         f"A fit takes {v['seconds_median']:.0f} s in the median and {v['seconds_most']:.0f} s at most, without "
         "compilation.",
     ]

@@ -17,12 +17,12 @@ from ..common import _build
 DRAWS = 1000
 """After so many seas that have too few or too many whitecaps the limits are to blame."""
 
-FINISHES = Raster(1.0), Rays()
-"""Draw the last pictures of a fit, of which the better ones count. Neither is what draws a target: those are averages
-of more pixels."""
+FINISHES, FINER = (Raster(2.0), Rays()), 2
+"""Draw the last pictures of a fit, with so many times the rows and columns, of which the better ones count. Neither is
+what draws a target: those are averages of more pixels."""
 
-DOUBTS = (Rays(2),)
-"""Might be as right: light from all over a pixel instead of one filtered look at it."""
+DOUBTS = Raster(1.0), Rays()
+"""What is drawn without more rows and columns tells how much these matter."""
 
 FREE = ("wind speed", "wind direction", "choppiness", "threshold", "sun elevation", "exposure")
 UNITS = ("m/s", "rad", "-", "-", "rad", "stops")
@@ -115,9 +115,7 @@ def method(config: schema.PictureRecoveryConfig, number: int) -> Raster | Rays:
 @eqx.filter_jit
 def target(scene: SceneModel, size: tuple[int, int], detail: int, method: Raster | Rays) -> jax.Array:
     """Its picture, drawn with `detail`² times as many pixels and averaged."""
-    rows, columns = size
-    fine = scene.picture((detail * rows, detail * columns), method)
-    return fine.reshape(rows, detail, columns, detail, 3).mean(axis=(1, 3))
+    return scene.picture(size, method, detail)
 
 
 def half_width(level: float) -> float:

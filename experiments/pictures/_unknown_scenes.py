@@ -1,6 +1,7 @@
 """Seas of another spectrum family, drawn by the other renderer: pictures whose wind is to be found."""
 
 import math
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -9,21 +10,25 @@ import numpy as np
 
 import jaxocean as jo
 from fitting.pictures import Photograph, SceneModel
+from jaxocean._constants import GRAVITY
 from jaxocean._numerics import as_leaf
 from jaxocean._types import Scalar
 from jaxocean.optics.sky import CloudySky, HosekWilkie
-from jaxocean.render import Camera, Rays
+from jaxocean.render import Camera, Raster, Rays
 from jaxocean.spectra import JONSWAP
 
 from .. import schema
 from ..common import _build
-from ._photographs import BREAKING
+from ._photographs import BREAKING, DEVELOPED
 
 PATTERNS = schema.CascadeConfig(sizes=(1117.0, 127.0, 14.3), resolution=256)
 """Other patterns than those of the fit, and finer ones."""
 
-PHILLIPS, DEVELOPED = 0.0081, 0.84
-"""α and Ω of a fully developed sea."""
+PHILLIPS = 0.0081
+"""α of a fully developed sea."""
+
+METHODS: dict[str, Raster | Rays] = {"raster": Raster(0.5), "rays": Rays()}
+"""What draws the pictures."""
 
 
 class JonswapSea(eqx.Module):
@@ -40,7 +45,7 @@ class JonswapSea(eqx.Module):
         """The spectrum."""
         age = self.inverse_wave_age.astype(wind.speed.dtype)
         # Deep water: ω = g Ω/U.
-        period = 2 * math.pi * wind.speed / (9.81 * age)
+        period = 2 * math.pi * wind.speed / (GRAVITY * age)
         younger = jnp.clip((age - DEVELOPED) / 0.6, 0.0, 1.0)
         return JONSWAP.from_alpha(
             alpha=PHILLIPS * age / DEVELOPED,
@@ -92,6 +97,8 @@ def columns(rows: int) -> int:
 
 
 @eqx.filter_jit
-def picture(state: Photograph, size: tuple[int, int], detail: int) -> jax.Array:
-    """Its picture by rays."""
-    return state.picture(size, Rays(), detail)
+def picture(
+    state: Photograph, size: tuple[int, int], targets: Literal["raster", "rays"], detail: int
+) -> jax.Array:
+    """Its picture."""
+    return state.picture(size, METHODS[targets], detail)

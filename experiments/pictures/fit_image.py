@@ -62,7 +62,8 @@ def _made(config: schema.FitImageConfig) -> tuple[_photographs.Taken, float]:
     )
     state = _unknown_scenes.draw(known, 0)
     columns = _unknown_scenes.columns(config.inference.rows)
-    light = np.asarray(_unknown_scenes.picture(state, (config.inference.rows, columns), known.detail))
+    size = config.inference.rows, columns
+    light = np.asarray(_unknown_scenes.picture(state, size, known.targets, known.detail))
     return _photographs.Taken(light, None, state.scene.camera, light), float(state.scene.wind.speed)
 
 

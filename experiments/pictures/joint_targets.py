@@ -20,7 +20,7 @@ from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _joint_report, _joint_views, _scene
-from ._recovery_scenes import DOUBTS, FINISHES, target
+from ._recovery_scenes import DOUBTS, FINER, FINISHES, target
 
 HELD = 1e-5
 """Deviation of a prior that holds λ where it is: the same program as with one that does not."""
@@ -139,7 +139,9 @@ def _without_picture(
 def _fit(
     start: SceneModel, image: PictureTarget, beside: fitting.TargetSum, prior: fitting.Normal
 ) -> PictureFit:
-    return fit_picture(start, _free, image, beside=beside, priors=[prior], finish=FINISHES, doubts=DOUBTS)
+    return fit_picture(
+        start, _free, image, beside=beside, priors=[prior], finish=FINISHES, detail=FINER, doubts=DOUBTS
+    )
 
 
 def _with_picture(

@@ -109,6 +109,7 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
             _recovery_scenes.free,
             PictureTarget(image),
             finish=_recovery_scenes.FINISHES,
+            detail=_recovery_scenes.FINER,
             doubts=_recovery_scenes.DOUBTS,
             scouts=SCOUTS,
             most_steps=60,
@@ -155,5 +156,7 @@ def _pictures(config: schema.PictureRecoveryConfig, each: Recovery) -> list[np.n
     images = [_recovery_scenes.target(truth, size, config.detail, method)]
     for values in (each.start, each.found):
         scene = _recovery_scenes.with_numbers(start, values)
-        images.append(_recovery_scenes.target(scene, size, 1, _recovery_scenes.FINISHES[0]))
+        images.append(
+            _recovery_scenes.target(scene, size, _recovery_scenes.FINER, _recovery_scenes.FINISHES[0])
+        )
     return [np.asarray(image) for image in jax.block_until_ready(images)]

@@ -19,6 +19,8 @@ from . import _image_views, _photographs, _unknown_scenes, _winds
 SHOWN = 4
 """Seas whose pictures are shown."""
 
+DRAWN = {"raster": "a fine mesh", "rays": "rays"}
+
 
 def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> Result:
     """Look for all winds; see `schema.UnknownSeasConfig`."""
@@ -83,7 +85,7 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
 def _taken(config: schema.UnknownSeasConfig, state: Photograph) -> _photographs.Taken:
     """The picture of a sea."""
     size = config.inference.rows, _unknown_scenes.columns(config.inference.rows)
-    light = np.asarray(_unknown_scenes.picture(state, size, config.detail))
+    light = np.asarray(_unknown_scenes.picture(state, size, config.targets, config.detail))
     return _photographs.Taken(light, None, state.scene.camera, light)
 
 
@@ -114,9 +116,9 @@ def _report(config: schema.UnknownSeasConfig, result: Result) -> str:
         f"{config.lowest_wind:g} to {config.highest_wind:g} m/s, and {100 * v['interval_coverage']:.0f} % of the "
         f"{level:g} % intervals hold the truth. The regression with which the fit begins has "
         f"{100 * v['median_error_of_the_regression']:.0f} %.",
-        f"The pictures are of JONSWAP seas, drawn by rays with {config.detail}² times as many pixels and averaged; "
-        "the fit draws 2², as a mesh, and knows another family of spectra and other waves. Sun, clouds, direction, age "
-        "of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
+        f"The pictures are of JONSWAP seas, drawn by {DRAWN[config.targets]} with {config.detail}² times as many "
+        "pixels and averaged; the fit draws 2², by rays, and knows another family of spectra and other waves. Sun, "
+        "clouds, direction, age of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
         f"{v['seconds_median']:.0f} s in the median.",
         "![Pictures, and what was found in them](pictures.png)",
     ]

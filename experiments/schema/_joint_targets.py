@@ -25,7 +25,7 @@ class JointTargetsConfig(ExperimentConfig):
     camera: CameraConfig = key(
         CameraConfig(position=(0.0, 0.0, 12.0), heading=0.6, pitch=0.35), meaning="the camera"
     )
-    detail: int = key(2, meaning="times as many rows and columns in the target, averaged", ge=1, le=8)
+    detail: int = key(4, meaning="times as many rows and columns in the target, averaged", ge=1, le=8)
     points: int = key(7, meaning="of the profile with the picture", ge=5, le=99)
     height: int = key(180, unit="px", meaning="rows", ge=16, le=2048)
     width: int = key(320, unit="px", meaning="columns", ge=16, le=2048)

@@ -96,8 +96,11 @@ class UnknownSeasConfig(ExperimentConfig):
     count: int = key(40, meaning="how many seas", ge=1, le=1000)
     lowest_wind: float = key(4.0, unit="m/s", meaning="least U10", gt=0, le=60)
     highest_wind: float = key(20.0, unit="m/s", meaning="greatest U10", gt=0, le=60)
+    targets: Literal["raster", "rays"] = key(
+        "raster", meaning="what draws the pictures: a fine mesh, or rays as the fit does"
+    )
     detail: int = key(
-        4,
+        8,
         meaning="times as many rows and columns in the pictures, averaged; the fit draws twice as many",
         ge=1,
         le=8,

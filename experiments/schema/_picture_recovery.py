@@ -49,7 +49,7 @@ class PictureRecoveryConfig(ExperimentConfig):
     targets: Literal["alternate", "rays", "raster"] = key(
         "alternate", meaning="what draws the pictures: rays, a fine mesh, or these by turns"
     )
-    detail: int = key(2, meaning="times as many rows and columns in them, averaged", ge=1, le=8)
+    detail: int = key(4, meaning="times as many rows and columns in them, averaged", ge=1, le=8)
     height: int = key(180, unit="px", meaning="rows", ge=16, le=2048)
     width: int = key(320, unit="px", meaning="columns", ge=16, le=2048)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)

@@ -19,9 +19,6 @@ PATIENCE = 3
 FINISHES = 12
 """Steps with a more exact method at most, of which each draws one picture."""
 
-POLISHES = 4
-"""Steps with the more exact method's own derivatives at most."""
-
 FINISHED = 1e-4
 """Share of the cost below which another one gains nothing: with derivatives of another method they only come closer by
 a factor each."""
@@ -136,29 +133,6 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
         if gain < FINISHED:
             break
     return free, rows
-
-
-def polish(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array, Array]:
-    """Gauss–Newton steps with residuals and derivatives of one method, until they gain nothing.
-
-    **Returns:** where that ends, and the residuals and their derivatives there.
-    """
-    jacobian = look(problem, free)[1]
-    for _ in range(POLISHES):
-        step = jnp.linalg.lstsq(jacobian, rows)[0]
-        for shorter in (1.0, 0.25):
-            ahead = free - shorter * step
-            there = rows_of(problem, ahead)
-            gain = 1 - float(jnp.sum(there**2) / jnp.sum(rows**2))
-            if gain > 0:
-                break
-        else:
-            break
-        free, rows = ahead, there
-        jacobian = look(problem, free)[1]
-        if gain < FINISHED:
-            break
-    return free, rows, jacobian
 
 
 def shift(problem: PictureProblem, free: Array, rows: Array, jacobian: Array) -> Array:

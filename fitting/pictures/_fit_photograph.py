@@ -15,10 +15,11 @@ from jaxtyping import Array, Float
 from jaxocean._numerics import check_kind
 from jaxocean.render import Raster, Rays
 
-from .._bounds import Interval, Real
+from .._bounds import Interval
 from .._errors import FitError
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
+from . import _sought
 from ._descent import PictureStep
 from ._image_statistics import ImageStatistics
 from ._photograph import Photograph
@@ -27,17 +28,17 @@ from ._problem import PictureProblem, look
 from ._statistics_target import Seas, StatisticsTarget, Vary, drawn_statistics
 from ._summaries import Lesson, Summaries, learn
 
-DRAWN = 64
+DRAWN = 32
 """Pictures of a state from which the chance of its statistics is known."""
+
+METHOD = Rays((8, 1))
+"""Draws pictures: of a pixel's long footprint on distant water many parts, each of its own light."""
+
+ROUGH = Raster(2.0), 2
+"""Draws derivatives, with so many times the rows and columns."""
 
 SCOUTS = 100_000
 """Between the seeds of scouts and of what is compared."""
-
-TURN = 1.8
-"""Standard deviation [rad] of an angle of which nothing is known."""
-
-TELLING = 0.1
-"""Least share of a goal's variance that its summary must tell to count."""
 
 GAIN = 0.05
 """Least gain in half a χ² that is worth a step."""
@@ -105,7 +106,7 @@ class PhotographFit:
         if isinstance(bounds, Interval):
             # Beyond its ends the line is folded back.
             ends = np.clip(ends, -0.5 * np.pi, 0.5 * np.pi)
-        elif _turns(self.slots[place]):
+        elif _sought.is_angle(self.slots[place]):
             ends = np.array([middle - min(half, np.pi), middle + min(half, np.pi)])
         low, high = (float(bounds.constrain(jnp.asarray(end))) for end in ends)
         return low, high
@@ -120,7 +121,8 @@ def fit_photograph(
     priors: Sequence[AbstractPrior] = (),
     vary: Vary | None = None,
     method: Raster | Rays | None = None,
-    detail: int = 2,
+    derivatives: Raster | Rays | None = None,
+    detail: int = 1,
     scouts: int = 640,
     seas: int = 4,
     lesson: Lesson | None = None,
@@ -149,14 +151,17 @@ def fit_photograph(
     - `image`: linear light in any unit; `mask`: 0 where it shows something else.
     - `priors`: as for `fitting.fit`.
     - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
-    - `method`: how pixels find the sea, `Raster(2.0)` if None.
-    - `detail`: pictures are drawn with so many times the rows and columns and averaged, as a camera's are.
-    - `scouts`: how many; `seas`: how many are drawn for a derivative, up to 64; means are over 64.
+    - `method`: how pixels find the sea, `Rays((8, 1))` if None: a mesh, and fewer rays, hold too few of the waves below
+      the horizon and too many of those nearby, and winds come out wrong by a third.
+    - `derivatives`: the same for derivatives, which may be rougher; `Raster(2.0)` with twice the rows and columns if
+      None.
+    - `detail`: pictures are drawn with so many times the rows and columns and averaged.
+    - `scouts`: how many; `seas`: how many are drawn for a derivative, at most 32; means are over 32.
     - `lesson`: that of another fit with the same camera, size, mask and free numbers: it needs no scouts.
     - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
     - `most_steps`: of the way down.
     - `seed`: of all random numbers.
-    - `report`: called with each step that lowers the cost; `scouted`: after each 64 scouts; `taught`: with what they
+    - `report`: called with each step that lowers the cost; `scouted`: after each 32 scouts; `taught`: with what they
       taught.
 
     **Returns:** `PhotographFit`.
@@ -186,33 +191,38 @@ def fit_photograph(
             )
     with jax.enable_x64(True):
         problem = PictureProblem(
-            _seas(photograph, DRAWN, seed, vary, detail).some(seas),
+            _seas(photograph, DRAWN, seed, vary).some(seas),
             StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
             (),
             tuple(prior for _, prior in slots),
             tuple(slot for slot, _ in slots),
-            Raster(2.0) if method is None else method,
+            METHOD if method is None else method,
+            detail,
         )
         if lesson is None:
             lesson = _taught(problem, scouts, seed, scouted)
             if taught is not None:
                 taught(lesson)
-        if not np.any(_kept(problem, lesson)):
+        if not np.any(_sought.kept(problem, lesson)):
             raise FitError(
                 "The statistics of the image tell nothing of the free numbers",
                 "a view of too little sea, or a mask that hides it",
                 "show more of the sea, or free other numbers",
             )
         aim = lesson.summaries(jnp.asarray(observed))
-        guess = jnp.asarray(_from_goals(problem, np.asarray(aim)))
-        free_values = guess if begin is None else _from_names(problem, begin)
+        guess = jnp.asarray(_sought.from_goals(problem, np.asarray(aim)))
+        free_values = guess if begin is None else _sought.from_names(problem, begin)
         steps: list[PictureStep] = []
-        scattered = _scattered(problem, seed)
-        end = _descend(problem, lesson, aim, free_values, scattered, most_steps, seed, steps, report)
+        scattered = _sought.scattered(problem, seed)
+        rough = problem.by(*ROUGH) if derivatives is None else problem.by(derivatives, detail)
+        end = _descend(problem, rough, lesson, aim, free_values, scattered, most_steps, seed, steps, report)
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
-        covariance, free_values = _no_smaller(problem, lesson, end.covariance(), scattered[1]), end.free
+        covariance, free_values = (
+            _sought.no_smaller(problem, lesson, end.covariance(), scattered[1]),
+            end.free,
+        )
         values = np.asarray(problem.constrain(free_values))
         stretch = np.abs(np.asarray(problem.stretch(free_values)))
         guessed = problem.named(np.asarray(problem.constrain(guess)))
@@ -259,6 +269,7 @@ class _End:
 
 def _descend(
     problem: PictureProblem,
+    rough: PictureProblem,
     lesson: Lesson,
     aim: Array,
     free: Array,
@@ -269,9 +280,9 @@ def _descend(
     report: Callable[[PictureStep], None] | None,
 ) -> _End:
     """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
-    kept = _kept(problem, lesson)
+    kept = _sought.kept(problem, lesson)
     count = int(kept.sum())
-    middle, spread = _expected(problem, free, *scattered)
+    middle, spread = _sought.expected(problem, free, *scattered)
     best, weight, step, vain = None, None, np.zeros(free.size), 0
     for _ in range(most_steps + 1):
         drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
@@ -279,7 +290,7 @@ def _descend(
         # Chance is that of the beginning, so that costs can be compared.
         weight = _whitening(seen, kept) if weight is None else weight
         target = replace(problem.target, summaries=lesson.summaries, observed=aim, whitening=weight)
-        rows, jacobian = (np.asarray(each) for each in look(problem.against(target), free))
+        rows, jacobian = (np.asarray(each) for each in look(rough.against(target), free))
         own = np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim))
         expected = (np.asarray(free) - middle) / spread
         rows = np.concatenate([own, rows[count:], expected[np.isfinite(spread)]])
@@ -314,7 +325,7 @@ def _descend(
 
 def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[], None] | None) -> Lesson:
     random = np.random.default_rng(seed)
-    points = np.stack([_from_priors(problem, random) for _ in range(scouts)])
+    points = np.stack([_sought.from_priors(problem, random) for _ in range(scouts)])
     # Other seas than those that later make means and chances: these must not be what was learned from.
     drawn = _at(problem, points, seed + SCOUTS, scouted)
     sound = np.all(np.isfinite(drawn), axis=1)
@@ -324,12 +335,12 @@ def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[
             "numbers that no scene has",
             "give priors or bounds that hold only seas",
         )
-    return learn(drawn[sound], _goals(problem, points[sound]), problem.target.statistics.steady)
+    return learn(drawn[sound], _sought.goals(problem, points[sound]), problem.target.statistics.steady)
 
 
-def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None, detail: int) -> Seas:
+def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None) -> Seas:
     keys = jax.random.split(jax.random.key(seed + 1), count)
-    return Seas(photograph, photograph.noises(count, seed), keys, vary, detail)
+    return Seas(photograph, photograph.noises(count, seed), keys, vary)
 
 
 def _at(
@@ -341,7 +352,7 @@ def _at(
     for part in range(0, len(points), DRAWN):
         some = points[part : part + DRAWN]
         whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
-        drawn = _seas(problem.model.photograph, DRAWN, seed + part, None, 1)
+        drawn = _seas(problem.model.photograph, DRAWN, seed + part, None)
         rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
         found.append(np.asarray(rows, float)[: len(some)])
         if advance is not None:
@@ -352,114 +363,20 @@ def _at(
 def _nothing(statistics: ImageStatistics) -> Summaries:
     """In the place of what is not yet learned."""
     count = len(statistics.names)
-    return Summaries(jnp.zeros(count), jnp.ones(count), jnp.zeros((count + 1, 1)))
+    none = jnp.zeros((count, 1))
+    return Summaries(
+        jnp.zeros(count), jnp.ones(count), jnp.zeros((1, count)), jnp.ones(()), none[:1], none, none[0]
+    )
 
 
 def _whitening(drawn: Float[np.ndarray, "sea q"], kept: np.ndarray) -> Array:
     """W with WᵀW = Σ⁻¹ for the summaries that are kept."""
     covariance = np.atleast_2d(np.cov(drawn[:, kept].T))
+    # The inverse of a covariance from few draws is too large by this (Hartlap, Simon & Schneider 2007).
+    covariance = covariance * (len(drawn) - 1) / (len(drawn) - len(covariance) - 2)
     found = np.linalg.inv(
         np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
     )
     whole = np.zeros((len(found), drawn.shape[1]))
     whole[:, kept] = found
     return jnp.asarray(whole)
-
-
-def _turns(slot: Slot) -> bool:
-    """Whether a number is an angle on the whole circle."""
-    return slot.unit == "rad" and isinstance(slot.bounds, Real)
-
-
-def _from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[np.ndarray, " p"]:
-    """One state, on the real line of the bounds."""
-    values = []
-    for slot, prior, start in zip(problem.slots, problem.priors, np.asarray(problem.start()), strict=True):
-        normal = jnp.asarray(random.normal())
-        if prior is not None:
-            value = slot.bounds.unconstrain(prior.draw(normal))
-        elif _turns(slot):
-            value = random.uniform(-np.pi, np.pi)
-        else:
-            value = slot.bounds.unconstrain(
-                slot.bounds.draw(normal, slot.bounds.constrain(jnp.asarray(start)))
-            )
-        values.append(float(value))
-    return np.asarray(values)
-
-
-def _kept(problem: PictureProblem, lesson: Lesson) -> np.ndarray:
-    """Which summaries count: those that tell something, of angles both or none."""
-    kept, place = lesson.told > TELLING, 0
-    for slot in problem.slots:
-        if _turns(slot):
-            kept[place : place + 2] = kept[place : place + 2].any()
-        place += 2 if _turns(slot) else 1
-    return kept
-
-
-def _expected(
-    problem: PictureProblem, guess: Array, mean: np.ndarray, deviation: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and deviation of what scouts were drawn from, for numbers without a prior; of others an endless one.
-
-    Of an angle the mean is where the way begins: it holds one that no picture tells.
-    """
-    turns = np.array([_turns(slot) for slot in problem.slots])
-    known = np.array([prior is not None for prior in problem.priors])
-    middle = np.where(turns, np.asarray(guess), mean)
-    spread = np.where(turns, TURN, deviation)
-    return middle, np.where(known, np.inf, spread)
-
-
-def _no_smaller(
-    problem: PictureProblem, lesson: Lesson, covariance: np.ndarray, spread: np.ndarray
-) -> np.ndarray:
-    """A covariance whose errors are at least those that the summaries have for scouts that they have not seen.
-
-    The derivative of a mean over a few seas is rough: where it happens to be steep it promises too much.
-    """
-    told, place, factors = lesson.told, 0, np.ones(len(spread))
-    for number, slot in enumerate(problem.slots):
-        turns = _turns(slot)
-        if not turns:
-            least = np.sqrt(1 - told[place]) * spread[number]
-            factors[number] = max(least / np.sqrt(covariance[number, number]), 1.0)
-        place += 2 if turns else 1
-    return covariance * np.outer(factors, factors)
-
-
-def _scattered(problem: PictureProblem, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and deviation of what scouts are drawn from, on the real line of the bounds."""
-    random = np.random.default_rng(seed)
-    points = np.stack([_from_priors(problem, random) for _ in range(DRAWN)])
-    return points.mean(axis=0), points.std(axis=0)
-
-
-def _from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:
-    """The state with these numbers."""
-    names = [slot.name for slot in problem.slots]
-    if sorted(values) != sorted(names):
-        raise ValueError(f"Argument `begin` must name {', '.join(names)}, but names {', '.join(values)}.")
-    return problem.unconstrain(jnp.asarray([float(values[name]) for name in names]))
-
-
-def _goals(problem: PictureProblem, points: Float[np.ndarray, "scout p"]) -> Float[np.ndarray, "scout q"]:
-    """What summaries shall tell of each state: its numbers, and of angles sine and cosine."""
-    columns = []
-    for slot, own in zip(problem.slots, points.T, strict=True):
-        columns += [np.cos(own), np.sin(own)] if _turns(slot) else [own]
-    return np.stack(columns, axis=1)
-
-
-def _from_goals(problem: PictureProblem, goals: Float[np.ndarray, " q"]) -> Float[np.ndarray, " p"]:
-    """The state of which summaries tell."""
-    values, place = [], 0
-    for slot in problem.slots:
-        if _turns(slot):
-            values.append(np.arctan2(goals[place + 1], goals[place]))
-            place += 2
-        else:
-            values.append(goals[place])
-            place += 1
-    return np.asarray(values)

@@ -18,7 +18,7 @@ from .._bounds import Interval, Real
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
-from ._descent import PictureStep, descend, finish_with, polish, shift
+from ._descent import PictureStep, descend, finish_with, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
@@ -76,6 +76,7 @@ def fit_picture(
     priors: Sequence[AbstractPrior] = (),
     method: Raster | Rays | None = None,
     finish: Raster | Rays | Sequence[Raster | Rays] = (),
+    detail: int = 1,
     doubts: Sequence[Raster | Rays] = (),
     scouts: int = 0,
     tolerance: float = 2e-3,
@@ -100,11 +101,13 @@ def fit_picture(
       scatter: `law + slopes`. They and priors weigh as much against the picture as the target's `scatter` says.
     - `priors`: as for `fitting.fit`.
     - `method`: how pixels find the sea; a mesh with one shaded point for 2 × 2 pixels if None.
-    - `finish`: a more exact method for the end: Gauss–Newton steps with its residuals, first with the other method's
-      derivatives and then with its own, as long as they lower the cost. What `method` gets wrong everywhere alike is
-      then no longer in the numbers. Of several the one counts that explains the picture best.
-    - `doubts`: other methods, whose pictures might be as right: how far the numbers would move with each of them, to
-      first order, counts as one standard error of its own.
+    - `finish`: a more exact method for the end: Gauss–Newton steps with its residuals and the other method's
+      derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer in the
+      numbers. Of several the one counts that explains the picture best.
+    - `detail`: pictures of `finish` are drawn with so many times the rows and columns and averaged, as a camera's are.
+    - `doubts`: other methods, without that detail, whose pictures might be as right: how far the numbers would move
+      with each of them, to first order, counts as one standard error of its own. Those of `finish` that explain the
+      picture less well are in doubt in any case.
     - `scouts`: how many scenes around the start are looked at before the first step, without derivatives: for a start
       that may lie in another valley than the target. The best of them is gone down from as well as the start, on
       coarse squares.
@@ -130,6 +133,8 @@ def fit_picture(
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
     if scouts < 0:
         raise ValueError(f"Argument `scouts` must be at least 0, but is {scouts}.")
+    if detail < 1:
+        raise ValueError(f"Argument `detail` must be at least 1, but is {detail}.")
     finishes = [finish] if isinstance(finish, Raster | Rays) else list(finish)
     others = () if beside is None else flatten_targets(beside)
     for other in others:
@@ -159,17 +164,18 @@ def fit_picture(
                 free_values = awaken(problem, free_values, place, FOAMY)
             place += slot.size
         free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
-        ends = [finish_with(problem.by(other), free_values, jacobian) for other in finishes]
-        if ends:
-            costs = [float(jnp.sum(rows**2)) for _, rows in ends]
-            best = int(np.argmin(costs))
-            problem = problem.by(finishes[best])
-            free_values, rows, jacobian = polish(problem, *ends[best])
+        ways = [problem.by(other, detail) for other in finishes]
+        unsure = [problem.by(other) for other in doubts]
+        if ways:
+            ends = [finish_with(way, free_values, jacobian) for way in ways]
+            best = int(np.argmin([float(jnp.sum(rows**2)) for _, rows in ends]))
+            problem, (free_values, rows) = ways[best], ends[best]
+            unsure += ways[:best] + ways[best + 1 :]
         values = np.asarray(problem.constrain(free_values))
         stretch = problem.stretch(free_values)
         covariance, scatter = _covariance(problem, rows, jacobian / stretch)
-        for other in doubts:
-            moved = np.asarray(stretch * shift(problem.by(other), free_values, rows, jacobian))
+        for other in unsure:
+            moved = np.asarray(stretch * shift(other, free_values, rows, jacobian))
             covariance = covariance + np.outer(moved, moved)
     errors = np.sqrt(np.diag(covariance))
     return PictureFit(

@@ -75,13 +75,9 @@ class Photograph(eqx.Module):
     ) -> Float[Array, "sea rows columns 3"]:
         """Pictures of several seas of this state, one after the other."""
         scene = self.breaking()
-        rows, columns = size
 
         def of(noise: Array) -> Array:
-            light = eqx.tree_at(lambda s: s.noise, scene, noise).picture(
-                (detail * rows, detail * columns), method
-            )
-            return self.seen(light.reshape(rows, detail, columns, detail, 3).mean(axis=(1, 3)))
+            return self.seen(eqx.tree_at(lambda s: s.noise, scene, noise).picture(size, method, detail))
 
         return jax.lax.map(of, noises)
 

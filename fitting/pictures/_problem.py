@@ -21,7 +21,8 @@ from .._target import AbstractTarget
 class PictureProblem(eqx.Module):
     """Residuals of a flat vector of free numbers.
 
-    **Arguments:** `model`: answers `picture(size, method)`; `target`: has a `size` and answers `residuals(picture)`.
+    **Arguments:** `model`: answers `picture(size, method)`, or with a `detail` above 1 `picture(size, method, detail)`;
+    `target`: has a `size` and answers `residuals(picture)`.
     """
 
     model: Any
@@ -30,6 +31,7 @@ class PictureProblem(eqx.Module):
     priors: tuple[AbstractPrior | None, ...]
     slots: tuple[Slot, ...] = eqx.field(static=True)
     method: Raster | Rays = eqx.field(static=True)
+    detail: int = eqx.field(static=True, default=1)
 
     def start(self) -> Float[Array, " p"]:
         leaves = jax.tree.leaves(self.model)
@@ -49,7 +51,8 @@ class PictureProblem(eqx.Module):
     def rows(self, free: Float[Array, " p"]) -> Float[Array, " n"]:
         values = self.constrain(free)
         scene = self.put(values)
-        picture = scene.picture(self.target.size, self.method)
+        detail = (self.detail,) if self.detail > 1 else ()
+        picture = scene.picture(self.target.size, self.method, *detail)
         parts = [self.target.residuals(picture).astype(values.dtype)]
         for target in self.beside:
             predicted = jax.vmap(lambda wind, target=target: target.predict(scene, wind))(target.winds)
@@ -63,9 +66,9 @@ class PictureProblem(eqx.Module):
         """The same with another target."""
         return replace(self, target=target)
 
-    def by(self, method: Raster | Rays) -> "PictureProblem":
+    def by(self, method: Raster | Rays, detail: int = 1) -> "PictureProblem":
         """The same with pictures drawn in another way."""
-        return replace(self, method=method)
+        return replace(self, method=method, detail=detail)
 
     @property
     def size_beside(self) -> int:

@@ -112,17 +112,22 @@ class SceneModel(eqx.Module):
         return self.statistics().slope_variance(wind)
 
     def picture(
-        self, size: tuple[int, int], method: Raster | Rays | None = None
+        self, size: tuple[int, int], method: Raster | Rays | None = None, detail: int = 1
     ) -> Float[Array, "rows columns 3"]:
         """2^exposure times the radiance, linear with sRGB primaries.
 
-        **Arguments:** `size`: rows and columns; `method`: see `jaxocean.render.render`.
+        **Arguments:** `size`: rows and columns; `method`: see `jaxocean.render.render`; `detail`: the picture is drawn
+        with so many times the rows and columns, and averaged.
 
         **Raises:** what `render` raises.
         """
         scene, ocean = self.computed(), self.ocean()
         camera = _on_the_water(scene.camera, ocean.fields(scene.time)) if self.afloat else scene.camera
-        return render(ocean, camera, scene.time, size, method=method) * jnp.exp2(scene.exposure)
+        rows, columns = size
+        light = render(ocean, camera, scene.time, (detail * rows, detail * columns), method=method)
+        if detail > 1:
+            light = light.reshape(rows, detail, columns, detail, 3).mean(axis=(1, 3))
+        return light * jnp.exp2(scene.exposure)
 
 
 def _on_the_water(camera: Camera, fields: Fields) -> Camera:

@@ -21,25 +21,25 @@ Vary = Callable[[Photograph, Key[Array, ""]], Photograph]
 class Seas(eqx.Module):
     """Several seas of one state, each with its own waves and with its own of what is neither known nor sought.
 
-    **Arguments:** `photograph`: the state; `noises`, `keys`: random numbers of each sea; `vary`: see `fit_photograph`;
-    `detail`: pictures are drawn with so many times the rows and columns, and averaged.
+    **Arguments:** `photograph`: the state; `noises`, `keys`: random numbers of each sea; `vary`: see `fit_photograph`.
     """
 
     photograph: Photograph
     noises: Complex[Array, "sea pattern y x"]
     keys: Key[Array, " sea"]
     vary: Vary | None = eqx.field(static=True)
-    detail: int = eqx.field(static=True)
 
-    def picture(self, size: tuple[int, int], method: Raster | Rays) -> Float[Array, "sea rows columns 3"]:
+    def picture(
+        self, size: tuple[int, int], method: Raster | Rays, detail: int = 1
+    ) -> Float[Array, "sea rows columns 3"]:
         """Their pictures, one after the other."""
         if self.vary is None:
-            return self.photograph.pictures(self.noises, size, method, self.detail)
+            return self.photograph.pictures(self.noises, size, method, detail)
 
         def of(drawn):
             noise, key = drawn
             assert self.vary is not None
-            return self.vary(self.photograph, key).pictures(noise[None], size, method, self.detail)[0]
+            return self.vary(self.photograph, key).pictures(noise[None], size, method, detail)[0]
 
         return jax.lax.map(of, (self.noises, self.keys))
 
@@ -82,6 +82,6 @@ def drawn_statistics(
     def of(drawn):
         point, noise, key = drawn
         seas = problem.put(problem.constrain(point)).of(noise, key)
-        return problem.target.statistics(seas.picture(problem.target.size, problem.method)[0])
+        return problem.target.statistics(seas.picture(problem.target.size, problem.method, problem.detail)[0])
 
     return jax.lax.map(of, (points, noises, keys))

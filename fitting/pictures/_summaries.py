@@ -1,36 +1,54 @@
 """What the statistics of pictures say of the numbers that are sought, learned from scenes whose numbers are known."""
 
+from dataclasses import fields
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-FOLDS = 5
-"""Parts of the scenes, of which each is predicted from the others to choose the ridge."""
+from jaxocean._types import Scalar
 
-RIDGES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+LENGTH = 1.5
+"""Root mean square difference of statistics [deviations of theirs] over which what they tell is alike."""
+
+LINEAR = 0.02
+"""What a straight line counts beside what is alike, for each statistic."""
+
+RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+"""Of which that is taken that predicts best what it has not seen."""
 
 FARTHEST = 4.0
 """Standard deviations of the scenes' own beyond which a statistic says no more."""
 
 
 class Summaries(eqx.Module):
-    """A linear regression from statistics to the numbers sought: a few numbers that hold most of what many say.
+    """A regression from statistics to the numbers sought: a few numbers that hold most of what many say.
 
-    Used as data of a fit, not as its result: what matters is that they are the same function of the photograph and of
-    the pictures of a scene (semi-automatic summaries, Fearnhead & Prangle 2012).
+    $$ f(s) = c + b·z + \\sum_i α_i \\exp\\Big(-\\frac{|z - z_i|^2}{2 m ℓ^2}\\Big), \\quad z = (s - \\bar s)/σ $$
 
-    **Arguments:** `middle`, `scale` of the statistics; `weights` of 1 and of each.
+    Used as data of a fit, not only as its result: what matters is that they are the same function of the photograph and
+    of the pictures of a scene (semi-automatic summaries, Fearnhead & Prangle 2012).
+
+    **Arguments:** `middle` s̄, `scale` σ of the statistics; `known` z_i of scenes; `width` mℓ²; `weights` α, `slopes` b,
+    `constant` c.
     """
 
     middle: Float[Array, " m"]
     scale: Float[Array, " m"]
-    weights: Float[Array, "feature q"]
+    known: Float[Array, "scene m"]
+    width: Scalar
+    weights: Float[Array, "scene q"]
+    slopes: Float[Array, "m q"]
+    constant: Float[Array, " q"]
 
     def __call__(self, statistics: Float[Array, "*b m"]) -> Float[Array, "*b q"]:
         dtype = statistics.dtype
-        scaled = (statistics - self.middle.astype(dtype)) / self.scale.astype(dtype)
-        return _features(scaled) @ self.weights.astype(dtype)
+        middle, scale, known, width, weights, slopes, constant = (
+            getattr(self, each.name).astype(dtype) for each in fields(self)
+        )
+        own = _limited((statistics - middle) / scale)
+        return constant + own @ slopes + _alike(own, known, width) @ weights
 
 
 class Lesson(eqx.Module):
@@ -42,51 +60,55 @@ class Lesson(eqx.Module):
     summaries: Summaries
     told: Float[np.ndarray, " q"]
 
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All that it consists of by name, such as a file keeps."""
+        parts = {each.name: np.asarray(getattr(self.summaries, each.name)) for each in fields(Summaries)}
+        return {**parts, "told": self.told}
+
     @classmethod
-    def of(cls, middle, scale, weights, told) -> "Lesson":
-        """From the arrays that it consists of, such as a file keeps."""
-        return cls(Summaries(*(jnp.asarray(each) for each in (middle, scale, weights))), np.asarray(told))
+    def of(cls, arrays: dict[str, np.ndarray]) -> "Lesson":
+        """From its `arrays`."""
+        parts = (jnp.asarray(arrays[each.name]) for each in fields(Summaries))
+        return cls(Summaries(*parts), np.asarray(arrays["told"]))
 
 
 def learn(
     statistics: Float[np.ndarray, "scene m"], goals: Float[np.ndarray, "scene q"], steady: tuple[bool, ...]
 ) -> Lesson:
-    """Ridge regressions, each with the largest ridge that predicts what it has not seen as well as the best does.
+    """Kernel ridge regressions, each with the ridge that predicts best what it has not seen.
 
-    As well means within one standard error of it (Hastie, Tibshirani & Friedman 2009, 7.10): a photograph is not drawn
-    by the model, and smaller weights mind that less.
+    Far from a straight line: whitecaps say most of strong winds, waves most of weak ones. Each scene is predicted from
+    all others, which the inverse of the kernel tells at once (Rasmussen & Williams 2006, 5.12).
 
     **Returns:** the summaries, and what they tell of scenes that they have not seen.
     """
-    used = np.asarray(steady)
     middle, scale = statistics.mean(axis=0), statistics.std(axis=0)
     # Without weight: a statistic that does not vary, or that is not to count.
-    scaled = np.where(used & (scale > 1e-9), (statistics - middle) / np.where(scale > 1e-9, scale, 1.0), 0.0)
-    features = np.asarray(_features(jnp.asarray(scaled)))
-    part = np.arange(len(goals)) % FOLDS
-    errors = np.empty((len(RIDGES), goals.shape[1]))
-    for number, ridge in enumerate(RIDGES):
-        missed = np.empty_like(goals)
-        for fold in range(FOLDS):
-            own = part == fold
-            missed[own] = features[own] @ _ridge(features[~own], goals[~own], ridge) - goals[own]
-        errors[number] = np.sqrt(np.mean(missed**2, axis=0))
-    least = errors.min(axis=0)
-    enough = errors <= least * (1 + 1 / np.sqrt(2 * len(goals)))
-    best = len(RIDGES) - 1 - enough[::-1].argmax(axis=0)
-    columns = [_ridge(features, goals[:, [q]], RIDGES[best[q]])[:, 0] for q in range(goals.shape[1])]
-    scale = np.where(used & (scale > 1e-9), scale, np.inf)
-    summaries = Summaries(*(jnp.asarray(each) for each in (middle, scale, np.stack(columns, axis=1))))
-    told = 1 - (errors[best, np.arange(goals.shape[1])] / goals.std(axis=0)) ** 2
-    return Lesson(summaries, np.maximum(told, 0.0))
+    scale = np.where(np.asarray(steady) & (scale > 1e-9), scale, np.inf)
+    known = np.asarray(_limited(jnp.asarray((statistics - middle) / scale)))
+    width = LENGTH**2 * max(int(np.sum(np.isfinite(scale))), 1)
+    kernel = np.asarray(_alike(jnp.asarray(known), jnp.asarray(known), jnp.asarray(width)))
+    kernel = kernel + LINEAR * known @ known.T
+    constant = goals.mean(axis=0)
+    weights, least = np.zeros(goals.shape), np.full(goals.shape[1], np.inf)
+    for ridge in RIDGES:
+        inverse = np.linalg.inv(kernel + ridge * np.eye(len(goals)))
+        own = inverse @ (goals - constant)
+        missed = np.mean((own / np.diag(inverse)[:, None]) ** 2, axis=0)
+        weights = np.where(missed < least, own, weights)
+        least = np.minimum(missed, least)
+    told = np.maximum(1 - least / goals.var(axis=0), 0.0)
+    parts = middle, scale, known, np.asarray(width, float), weights, LINEAR * known.T @ weights, constant
+    return Lesson(Summaries(*map(jnp.asarray, parts)), told)
 
 
-def _features(scaled: Float[Array, "*b m"]) -> Float[Array, "*b feature"]:
-    near = FARTHEST * jnp.tanh(scaled / FARTHEST)
-    return jnp.concatenate([jnp.ones_like(near[..., :1]), near], axis=-1)
+def _limited(scaled: Float[Array, "*b m"]) -> Float[Array, "*b m"]:
+    return FARTHEST * jnp.tanh(scaled / FARTHEST)
 
 
-def _ridge(features: np.ndarray, goals: np.ndarray, ridge: float) -> np.ndarray:
-    penalty = ridge * np.eye(features.shape[1])
-    penalty[0, 0] = 0.0
-    return np.linalg.solve(features.T @ features + penalty, features.T @ goals)
+def _alike(
+    own: Float[Array, "*b m"], known: Float[Array, "scene m"], width: Scalar
+) -> Float[Array, "*b scene"]:
+    apart = jnp.sum((own[..., None, :] - known) ** 2, axis=-1)
+    return jnp.exp(-0.5 * apart / width)

@@ -77,7 +77,7 @@ def visible_points(
     **Raises:** `ValueError` for a size that makes no sense, or several rays a pixel, which have no mean place.
     """
     check_size(size)
-    if isinstance(method, Rays) and method.samples > 1:
+    if isinstance(method, Rays) and method.sides != (1, 1):
         raise ValueError(f"Argument `samples` of the rays must be 1 here, but is {method.samples}.")
     return _visible_points(fields, cascade, camera, size, method, as_leaf(curvature))
 
@@ -254,13 +254,13 @@ def _map_rays(shade, beyond, fields, cascade, camera, size, method: Rays, curvat
         seen = displaced(moments(camera.position[:2], hits.x, hits.y, hits.variance))
         place = (hits.x, hits.y)
         found = hits.hit, hits.depth, place, hits.axes, hits.variance, _area(seen), seen
-        visible = Visible(camera, scene.size, rows, curvature, *found)
+        visible = Visible(camera, scene.size, rows, curvature, *found, scene.columns)
         values = shade(visible)
         if beyond is not None:
             values = _choose(visible.hit, values, beyond(visible.pixels))
-        return jax.tree.map(lambda each: average(each, method.samples), values)
+        return jax.tree.map(lambda each: average(each, method.sides), values)
 
-    shaded = jax.lax.map(one, ray_bands(size, method.samples, dtype))
+    shaded = jax.lax.map(one, ray_bands(size, method.sides, dtype))
     none = Edges(jnp.zeros((size[0], size[1] - 1), dtype), jnp.zeros((size[0] - 1, size[1]), dtype))
     return jax.tree.map(join, shaded), none
 

@@ -43,7 +43,7 @@ def footprint_axes(
     least = EDGE_ON * surface.view(x, y)[1] * jnp.sqrt(square) / across
     inverse = facing / (facing**2 + least**2)
     columns = []
-    for turned in (right / focal, -up / focal):
+    for turned in (right * (surface.stride / focal), -up / focal):
         further = -ahead * (normal @ turned) * inverse
         moved = ahead[..., None] * turned + further[..., None] * through
         columns.append(

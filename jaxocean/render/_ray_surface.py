@@ -20,7 +20,8 @@ class RaySurface(eqx.Module):
     jumps.
 
     **Arguments:** `atlas` of (u, v, η); `centre`: the point below the camera [m]; `level`: the camera's height above
-    the plane whose footprints are taken [m]; `angle`: between neighbouring pixels [rad]; `curvature` [1/m].
+    the plane whose footprints are taken [m]; `angle`: between neighbouring rows of pixels [rad]; `curvature` [1/m];
+    `stride`: how far apart columns are over that.
     """
 
     atlas: Atlas
@@ -28,6 +29,7 @@ class RaySurface(eqx.Module):
     level: Scalar
     angle: Scalar
     curvature: Scalar
+    stride: float = eqx.field(static=True, default=1.0)
 
     def view(
         self, x: Float[Array, "*b"], y: Float[Array, "*b"]
@@ -44,11 +46,16 @@ class RaySurface(eqx.Module):
         """Of the filter [m²] along each axis, at rest points (x, y) from the point below the camera.
 
         That of `filter_variance` for a footprint of dφ across and dφ/s along, with the distance d, the angle φ between
-        pixels, and the sine s of the angle between the plane and the line of sight.
+        pixels (across times the stride), and the sine s of the angle between the plane and the line of sight.
         """
         distance, sine = self.view(x, y)
-        across = distance * self.angle
-        width = jnp.maximum(across, across / (SHARPNESS * sine))
+        if self.stride == 1:
+            across = distance * self.angle
+            width = jnp.maximum(across, across / (SHARPNESS * sine))
+        else:
+            across, along = distance * self.angle * self.stride, distance * self.angle / sine
+            shorter, longer = jnp.minimum(across, along), jnp.maximum(across, along)
+            width = jnp.maximum(shorter, longer / SHARPNESS)
         return jnp.minimum(width**2 / 12, LEAST_SHARPNESS**-4)
 
     def __call__(

@@ -24,30 +24,39 @@ MOST_RAYS = 2**16
 
 
 class Rays(eqx.Module):
-    """One ray through each pixel, or a square of them.
+    """One ray through each pixel, or several rows of them.
 
     Each ray marches to the first place where it passes below the filtered surface, in steps that are bounded by how
     steep that surface can be, and Newton's method finishes. There is no mesh to lay out, and crests are as sharp as the
     footprints allow. Silhouettes have stairs, for a ray sees one thing, and unlike those of `Raster` they carry no
     derivative. With s² rays a pixel, light and all that the image is made of are means over them, each with the
-    footprint of its own part of the pixel: a reference for both methods, at s² times the cost.
+    footprint of its own part of the pixel: a reference for both methods, at s² times the cost. On distant water a
+    pixel's footprint is many times as long as it is wide, and more rays down than across say more of it than a square.
 
-    **Arguments:** `samples` s: rays along each side of a pixel, 1 by default; `least_step`: of the march, in widths of
-    the footprint's filter (of which no wave in the filtered surface is shorter than two), 0.5 by default.
+    **Arguments:** `samples` s: rays along each side of a pixel, or (down, across), 1 by default; `least_step`: of the
+    march, in widths of the footprint's filter (of which no wave in the filtered surface is shorter than two), 0.5 by
+    default.
 
     **Raises:** `ValueError` for samples outside 1 to 64, or a step outside 0.01 to 2.
     """
 
-    samples: int = eqx.field(static=True, default=1)
+    samples: int | tuple[int, int] = eqx.field(static=True, default=1)
     least_step: float = eqx.field(static=True, default=0.5)
 
     def __check_init__(self) -> None:
-        if not 1 <= self.samples <= 64:
-            raise ValueError(f"Argument `samples` must be 1 to 64 a side, but is {self.samples}.")
+        if len(self.sides) != 2 or not all(1 <= side <= 64 for side in self.sides):
+            raise ValueError(
+                f"Argument `samples` must be 1 to 64 a side, or two such numbers, but is {self.samples}."
+            )
         if not 0.01 <= self.least_step <= 2:
             raise ValueError(
                 f"Argument `least_step` must be 0.01 to 2 filter widths, but is {self.least_step}."
             )
+
+    @property
+    def sides(self) -> tuple[int, int]:
+        """Rays down and across a pixel."""
+        return (self.samples, self.samples) if isinstance(self.samples, int) else self.samples
 
 
 class RayHits(NamedTuple):
@@ -69,7 +78,8 @@ class RayHits(NamedTuple):
 class RayScene(eqx.Module):
     """All that rays of one image need.
 
-    **Arguments:** `size`: (rows, columns) of rays.
+    **Arguments:** `size`: of an image with a row for each row of rays and pixels that are square; `columns`: numbers of
+    those through which rays go, or None for all of them.
     """
 
     surface: RaySurface
@@ -77,6 +87,7 @@ class RayScene(eqx.Module):
     bounds: Bounds
     camera: Camera
     size: tuple[int, int] = eqx.field(static=True)
+    columns: Float[Array, " columns"] | None
     least_step: float = eqx.field(static=True)
 
     @classmethod
@@ -91,17 +102,22 @@ class RayScene(eqx.Module):
     ) -> "RayScene":
         """The scene of a sea's fields at one time, for an image of `size` pixels."""
         atlas, bounds = displacement_atlas(fields, cascade), Bounds.of_fields(fields)
-        size = size[0] * rays.samples, size[1] * rays.samples
+        down, across = rays.sides
+        stride = down / across
+        dtype = camera.position.dtype
+        columns = stride * (jnp.arange(size[1] * across, dtype=dtype) + 0.5) - 0.5 if stride != 1 else None
+        size = size[0] * down, size[1] * down
         height = camera.position[2]
         tallest = jnp.maximum(-bounds.lowest, bounds.highest)
         level = jnp.sqrt(jnp.maximum(height, 0.0) ** 2 + tallest**2 + 1e-12)
-        surface = RaySurface(atlas, camera.position[:2], level, 1 / camera.focal_length(size), curvature)
-        return cls(surface, Steepness.of_atlas(atlas), bounds, camera, size, rays.least_step)
+        angle = 1 / camera.focal_length(size)
+        surface = RaySurface(atlas, camera.position[:2], level, angle, curvature, stride)
+        return cls(surface, Steepness.of_atlas(atlas), bounds, camera, size, columns, rays.least_step)
 
     def trace(self, moments: SurfaceMoments, rows: Float[Array, " rows"]) -> RayHits:
         """What the rays in some rows see."""
         camera, surface = self.camera, self.surface
-        rays, height = camera.rays(self.size, rows), camera.position[2]
+        rays, height = camera.rays(self.size, rows, self.columns), camera.position[2]
         still = jax.lax.stop_gradient((surface, self.steepness, self.bounds, rays, height))
         start = first_crossing(*still, self.least_step)
         hit = start.hit
@@ -116,22 +132,22 @@ class RayScene(eqx.Module):
         return RayHits(hit, depth, x, y, axes, jnp.where(hit, variance, one))
 
 
-def ray_bands(size: tuple[int, int], samples: int, dtype: jnp.dtype) -> Float[Array, "band some"]:
+def ray_bands(size: tuple[int, int], sides: tuple[int, int], dtype: jnp.dtype) -> Float[Array, "band some"]:
     """Numbers of the rows of rays, in bands of whole pixels that are traced one after the other."""
-    rows, columns = size
-    most = max(1, MOST_RAYS // (columns * samples**2))
+    (rows, columns), (down, across) = size, sides
+    most = max(1, MOST_RAYS // (columns * down * across))
     some = max(part for part in range(1, min(most, rows) + 1) if rows % part == 0)
-    return jnp.arange(rows * samples, dtype=dtype).reshape(-1, some * samples)
+    return jnp.arange(rows * down, dtype=dtype).reshape(-1, some * down)
 
 
 def average(
-    values: Shaped[Array, "rays_down rays_across *b"], samples: int
+    values: Shaped[Array, "rays_down rays_across *b"], sides: tuple[int, int]
 ) -> Shaped[Array, "rows columns *b"]:
     """Means over the rays of each pixel; of what is true or false, what at least half of them say."""
-    if samples == 1:
+    if sides == (1, 1):
         return values
-    rows, columns, *others = values.shape
-    pixels = values.reshape(rows // samples, samples, columns // samples, samples, *others)
+    (down, across), (rows, columns, *others) = sides, values.shape
+    pixels = values.reshape(rows // down, down, columns // across, across, *others)
     if values.dtype == bool:
         return jnp.mean(pixels.astype(jnp.float32), axis=(1, 3)) >= 0.5
     return jnp.mean(pixels, axis=(1, 3))

@@ -15,7 +15,8 @@ from experiments.harness._loading import load
 from experiments.harness._progress import Silent
 from experiments.pictures import _photographs, _unknown_scenes, _winds
 from fitting import FitError
-from fitting.pictures import Lesson, Photograph, PhotographFit, PictureStep
+from fitting.pictures import Photograph, PhotographFit, PictureStep
+from fitting.pictures._summaries import learn
 from jaxocean import Wind
 from jaxocean.io import write_exr
 from jaxocean.render import Camera
@@ -68,7 +69,7 @@ def made_up(monkeypatch):
         number = len(calls)
         if scouted is not None:
             scouted()
-        learned = Lesson.of(np.zeros(2), np.ones(2), np.zeros((3, 3)), np.array([0.8, 0.5, 0.1]))
+        learned = learn(np.arange(8.0).reshape(4, 2), np.arange(12.0).reshape(4, 3), (True, True))
         if taught is not None and lesson is None:
             taught(learned)
         values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}

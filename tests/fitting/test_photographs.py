@@ -261,7 +261,7 @@ def test_the_state_is_found_within_its_interval_and_the_way_is_told(fitted):
     assert low < 12.0 < high
     assert found.values["speed"] == pytest.approx(12.0, rel=0.15)
     assert abs(found.values["sun_azimuth"] - 0.4) < 0.6
-    assert told["scouts"] == 4
+    assert told["scouts"] == 8
     assert told["steps"] == list(found.steps)
     assert found.model.scene.wind.speed == pytest.approx(found.values["speed"])
     assert found.misfit < 2.5
@@ -271,7 +271,7 @@ def test_the_state_is_found_within_its_interval_and_the_way_is_told(fitted):
 def test_a_lesson_and_a_beginning_lead_to_the_same_place(fitted):
     image, found, told = fitted
     lesson = told["lesson"]
-    again = Lesson.of(lesson.summaries.middle, lesson.summaries.scale, lesson.summaries.weights, lesson.told)
+    again = Lesson.of(lesson.arrays)
     scouts = []
     found_again = fit_photograph(
         toy(),

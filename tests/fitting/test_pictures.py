@@ -122,6 +122,20 @@ def test_what_another_method_would_change_counts_as_an_error():
     assert found.errors["contrast"] > 3 * sure.errors["contrast"]
 
 
+def test_pictures_at_the_end_are_drawn_with_more_detail():
+    class Coarse(Stripes):
+        def picture(self, size, method, detail=1):
+            exact = super().picture(size, method)
+            return exact if detail == 2 else exact**0.97
+
+    target = PictureTarget(Coarse().picture(SIZE, None, 2))
+    found = fit_picture(Coarse(0.8, 0.35, 1.1, 0.2), free, target, finish=jo.render.Rays(), detail=2)
+    for name in NAMES:
+        np.testing.assert_allclose(found.values[name], getattr(Stripes(), name), atol=1e-4)
+    with pytest.raises(ValueError, match="Argument `detail`"):
+        fit_picture(Coarse(), free, target, detail=0)
+
+
 def test_scouts_begin_nearer_to_the_target(target):
     start = Stripes(3.2, 0.3, 1.4, 0.3)
     alone = fit_picture(start, free, target)
@@ -161,8 +175,11 @@ def test_of_several_methods_the_one_counts_that_explains_the_picture():
     for method in (mesh, rays):
         target = PictureTarget(truth.picture(SIZE, method))
         found = fit_picture(start, free, target, finish=[mesh, rays])
+        sure = fit_picture(start, free, target, finish=[method])
         for name in NAMES:
             np.testing.assert_allclose(found.values[name], getattr(truth, name), atol=1e-4)
+        # The other is in doubt, and would have found another contrast.
+        assert found.errors["contrast"] > sure.errors["contrast"] + 0.005
 
 
 def test_what_is_masked_does_not_count(target):

@@ -271,6 +271,40 @@ def test_several_rays_a_pixel_find_the_share_of_it_that_is_water():
     np.testing.assert_array_equal(most, share >= 0.5)
 
 
+def test_parts_of_a_pixel_are_as_long_and_as_wide_as_there_are_rays_down_and_across():
+    camera = Camera((0.0, 0.0, 20.0), pitch=0.5, field_of_view=0.3)
+
+    def edges(samples):
+        of = eqx.filter_jit(
+            lambda fields: map_visible(
+                lambda v: v.edges_of_footprint, fields, CASCADE, camera, SIZE, method=Rays(samples)
+            )[0]
+        )
+        return [np.asarray(each) for each in of(calm_fields(CASCADE))]
+
+    (_, x_row, y_column, _), found = edges(1), edges((4, 2))
+    # Rows run away from the camera, along x, and columns across.
+    np.testing.assert_allclose(found[1], x_row / 4, rtol=0.01)
+    np.testing.assert_allclose(found[2], y_column / 2, rtol=0.01)
+
+
+def test_more_rays_down_than_across_say_more_of_distant_water_than_a_square_of_them(sea):
+    camera = Camera((1.0, 2.0, 5.0), pitch=0.1, field_of_view=0.15)
+    fields = sea.fields(TIME, 0.8)
+
+    def slopes(samples):
+        of = eqx.filter_jit(
+            lambda fields: map_visible(
+                lambda v: v.slope[..., 0], fields, CASCADE, camera, SIZE, method=Rays(samples)
+            )[0]
+        )
+        return np.asarray(of(fields))
+
+    exact = slopes(8)
+    off = {samples: np.std(slopes(samples) - exact) for samples in (2, (4, 1))}
+    assert off[(4, 1)] < 0.8 * off[2]
+
+
 @pytest.mark.slow
 def test_rays_of_several_cameras_are_batched_by_vmap():
     def depth(height):
@@ -345,6 +379,8 @@ def test_depth_and_normal_are_those_of_mitsuba_on_the_exported_mesh(rough, tmp_p
 def test_choices_that_make_no_sense_are_refused(rough):
     with pytest.raises(ValueError, match="samples"):
         Rays(samples=0)
+    with pytest.raises(ValueError, match="samples"):
+        Rays(samples=(2, 0))
     with pytest.raises(ValueError, match="least_step"):
         Rays(least_step=0.0)
     with pytest.raises(ValueError, match="samples"):

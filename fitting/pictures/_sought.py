@@ -1,0 +1,123 @@
+"""What is sought in a photograph: free numbers on the real line of their bounds, and the goals of a regression.
+
+The goals of an angle are its cosine and its sine.
+"""
+
+from collections.abc import Mapping
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._bounds import Real
+from .._parameters import Slot
+from ._problem import PictureProblem
+from ._summaries import Lesson
+
+TURN = 1.8
+"""Standard deviation [rad] of an angle of which nothing is known."""
+
+TELLING = 0.1
+"""Least share of a goal's variance that its summary must tell to count."""
+
+TRIED = 300
+"""Draws from the priors from which their mean and deviation are known."""
+
+
+def is_angle(slot: Slot) -> bool:
+    """Whether a number is an angle on the whole circle."""
+    return slot.unit == "rad" and isinstance(slot.bounds, Real)
+
+
+def from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[np.ndarray, " p"]:
+    """One state, on the real line of the bounds."""
+    values = []
+    for slot, prior, start in zip(problem.slots, problem.priors, np.asarray(problem.start()), strict=True):
+        normal = jnp.asarray(random.normal())
+        if prior is not None:
+            value = slot.bounds.unconstrain(prior.draw(normal))
+        elif is_angle(slot):
+            value = random.uniform(-np.pi, np.pi)
+        else:
+            value = slot.bounds.unconstrain(
+                slot.bounds.draw(normal, slot.bounds.constrain(jnp.asarray(start)))
+            )
+        values.append(float(value))
+    return np.asarray(values)
+
+
+def kept(problem: PictureProblem, lesson: Lesson) -> np.ndarray:
+    """Which summaries count: those that tell something, of angles both or none."""
+    kept, place = lesson.told > TELLING, 0
+    for slot in problem.slots:
+        if is_angle(slot):
+            kept[place : place + 2] = kept[place : place + 2].any()
+        place += 2 if is_angle(slot) else 1
+    return kept
+
+
+def expected(
+    problem: PictureProblem, guess: Array, mean: np.ndarray, deviation: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and deviation of what scouts were drawn from, for numbers without a prior; of others an endless one.
+
+    Of an angle the mean is where the way begins: it holds one that no picture tells.
+    """
+    turns = np.array([is_angle(slot) for slot in problem.slots])
+    known = np.array([prior is not None for prior in problem.priors])
+    middle = np.where(turns, np.asarray(guess), mean)
+    spread = np.where(turns, TURN, deviation)
+    return middle, np.where(known, np.inf, spread)
+
+
+def no_smaller(
+    problem: PictureProblem, lesson: Lesson, covariance: np.ndarray, spread: np.ndarray
+) -> np.ndarray:
+    """A covariance whose errors are at least those that the summaries have for scouts that they have not seen.
+
+    The derivative of a mean over a few seas is rough: where it happens to be steep it promises too much.
+    """
+    told, place, factors = lesson.told, 0, np.ones(len(spread))
+    for number, slot in enumerate(problem.slots):
+        turns = is_angle(slot)
+        if not turns:
+            least = np.sqrt(1 - told[place]) * spread[number]
+            factors[number] = max(least / np.sqrt(covariance[number, number]), 1.0)
+        place += 2 if turns else 1
+    return covariance * np.outer(factors, factors)
+
+
+def scattered(problem: PictureProblem, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and deviation of what scouts are drawn from, on the real line of the bounds."""
+    random = np.random.default_rng(seed)
+    points = np.stack([from_priors(problem, random) for _ in range(TRIED)])
+    return points.mean(axis=0), points.std(axis=0)
+
+
+def from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:
+    """The state with these numbers."""
+    names = [slot.name for slot in problem.slots]
+    if sorted(values) != sorted(names):
+        raise ValueError(f"Argument `begin` must name {', '.join(names)}, but names {', '.join(values)}.")
+    return problem.unconstrain(jnp.asarray([float(values[name]) for name in names]))
+
+
+def goals(problem: PictureProblem, points: Float[np.ndarray, "scout p"]) -> Float[np.ndarray, "scout q"]:
+    """What summaries shall tell of each state: its numbers, and of angles sine and cosine."""
+    columns = []
+    for slot, own in zip(problem.slots, points.T, strict=True):
+        columns += [np.cos(own), np.sin(own)] if is_angle(slot) else [own]
+    return np.stack(columns, axis=1)
+
+
+def from_goals(problem: PictureProblem, goals: Float[np.ndarray, " q"]) -> Float[np.ndarray, " p"]:
+    """The state of which summaries tell."""
+    values, place = [], 0
+    for slot in problem.slots:
+        if is_angle(slot):
+            values.append(np.arctan2(goals[place + 1], goals[place]))
+            place += 2
+        else:
+            values.append(goals[place])
+            place += 1
+    return np.asarray(values)
