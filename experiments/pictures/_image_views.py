@@ -95,7 +95,7 @@ def plot_statistics(store: Files, found: PhotographFit) -> None:
             ylim=(len(names), -1),
         )
         axis.set_title(f"What the image says (misfit {found.misfit:.2g})")
-        axis.legend(loc="lower right")
+        fig.legend(loc="outside lower center")
         store.picture("statistics", fig)
 
 

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import equinox as eqx
@@ -94,6 +95,33 @@ def vary(photograph: Photograph, key) -> Photograph:
         lambda m: m.contrast: jnp.exp(0.15 * normal[10]),
     }
     return eqx.tree_at(lambda m: [where(m) for where in drawn], photograph, list(drawn.values()))
+
+
+@lru_cache
+def varied(height_spread: float, view_spread: float) -> Callable:
+    """`vary`, also for a camera that is not known: the same function each time, so that it compiles once.
+
+    Statistics are taken with the camera as it is assumed. The horizon is where the image shows it, so that with another
+    field of view it looked down by another angle too.
+    """
+    if not height_spread and not view_spread:
+        return vary
+
+    def with_camera(photograph: Photograph, key) -> Photograph:
+        camera = photograph.scene.camera
+        normal = jax.random.normal(jax.random.fold_in(key, 2), (2,), jnp.float32)
+        higher, wider = jnp.exp(height_spread * normal[0]), jnp.exp(view_spread * normal[1])
+        view, pitch = camera.field_of_view, camera.pitch
+        drawn = {
+            lambda c: c.position: camera.position
+            * jnp.stack([1.0, 1.0, higher]).astype(camera.position.dtype),
+            lambda c: c.field_of_view: 2 * jnp.arctan(wider * jnp.tan(0.5 * view)).astype(view.dtype),
+            lambda c: c.pitch: jnp.arctan(wider * jnp.tan(pitch)).astype(pitch.dtype),
+        }
+        camera = eqx.tree_at(lambda c: [where(c) for where in drawn], camera, list(drawn.values()))
+        return vary(eqx.tree_at(lambda m: m.scene.camera, photograph, camera), key)
+
+    return with_camera
 
 
 def start(
@@ -221,7 +249,7 @@ def fit(
         free(config),
         image.light,
         mask=image.mask,
-        vary=vary,
+        vary=varied(camera.height_spread, camera.view_spread),
         scouts=config.scouts,
         seas=config.seas,
         most_steps=config.steps,

@@ -22,6 +22,9 @@ LEVEL = 0.08, 0.03
 FRAMES = 6
 """Steps of the filmstrip, at most."""
 
+STEPS = "steps.jsonl"
+"""Keeps each step of the way until the run is finished."""
+
 
 def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Result:
     """Fit an image; see `schema.FitImageConfig`."""
@@ -44,7 +47,7 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
         raise UserError(f"Key `image`: {problem}") from problem
     progress.step("Drawing what was found")
     _image_views.plot(store, config, taken, found)
-    _image_views.strip(store, taken, _frames(found), found)
+    _image_views.strip(store, taken, _frames(found, _way(store)), found)
     _image_views.plot_statistics(store, found)
     _image_views.save(store, found)
     result = _image_report.result(config, found, truth)
@@ -71,7 +74,7 @@ def _fitted(
     config: schema.FitImageConfig, taken: _photographs.Taken, progress: Reporter, store: Files
 ) -> PhotographFit:
     """The fit, from where an interrupted one left off."""
-    kept, learned = store.unfinished() / "steps.jsonl", store.unfinished() / "lesson.npz"
+    kept, learned = store.unfinished() / STEPS, store.unfinished() / "lesson.npz"
     before = _records.read(kept)
     lesson = _photographs.read_lesson(learned)
     advance = None
@@ -104,14 +107,23 @@ def _fitted(
     )
 
 
-def _frames(found: PhotographFit) -> list[tuple[str, np.ndarray]]:
+def _way(store: Files) -> list[dict[str, float]]:
+    """Values at each step, those before an interruption too: the step from which it went on is the last of them."""
+    ways: list[dict[str, float]] = []
+    for record in _records.read(store.unfinished() / STEPS):
+        values = record["values"]
+        if not ways or not np.allclose(list(values.values()), list(ways[-1].values()), rtol=1e-9):
+            ways.append(values)
+    return ways
+
+
+def _frames(found: PhotographFit, ways: list[dict[str, float]]) -> list[tuple[str, np.ndarray]]:
     """Pictures of some steps of the way, with the same waves, the last one what was found."""
-    ways = [step.values for step in found.steps]
     chosen = np.unique(np.linspace(0, len(ways) - 1, FRAMES).round().astype(int))
     rows, columns = found.size
     frames = []
     for number in chosen:
         values = ways[number]
         picture = _photographs.drawn(found.at(values), (2 * rows, 2 * columns))
-        frames.append((f"step {number}: {float(np.asarray(values[_photographs.WIND])):.1f} m/s", picture))
+        frames.append((f"step {number}: {values[_photographs.WIND]:.1f} m/s", picture))
     return [(title, np.asarray(picture)) for title, picture in jax.block_until_ready(frames)]

@@ -18,9 +18,19 @@ class PhotographCameraConfig(Section):
     """`camera`: how the photograph was taken."""
 
     height: float = key(4.0, unit="m", meaning="of the lens above the water below it", gt=0, le=1e4)
+    height_spread: float = key(
+        0.0, unit="-", meaning="standard deviation of the height's logarithm, if it is not known", ge=0, le=1
+    )
     afloat: bool = key(True, meaning="whether it rides on the waves, as on a buoy")
     field_of_view: float | None = key(
         None, unit="rad", meaning="from the lower to the upper edge; null: 60° from side to side", gt=0, le=3
+    )
+    view_spread: float = key(
+        0.0,
+        unit="-",
+        meaning="standard deviation of the logarithm of half the field of view's tangent, if it is not known",
+        ge=0,
+        le=1,
     )
     pitch: float | None = key(
         None,

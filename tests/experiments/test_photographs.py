@@ -3,19 +3,21 @@
 import csv
 import json
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
 from PIL import Image
 
+from experiments import schema
 from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
 from experiments.harness._progress import Silent
-from experiments.pictures import _photographs, _unknown_scenes, _winds
+from experiments.pictures import _image_views, _photographs, _unknown_scenes, _winds
 from fitting import FitError
-from fitting.pictures import Photograph, PhotographFit, PictureStep
+from fitting.pictures import Lesson, Photograph, PhotographFit, PictureStep
 from fitting.pictures._summaries import learn
 from jaxocean import Wind
 from jaxocean.io import write_exr
@@ -69,7 +71,8 @@ def made_up(monkeypatch):
         number = len(calls)
         if scouted is not None:
             scouted()
-        learned = learn(np.arange(8.0).reshape(4, 2), np.arange(12.0).reshape(4, 3), (True, True))
+        plain = learn(np.arange(8.0).reshape(4, 2), np.arange(12.0).reshape(4, 3), (True, True))
+        learned = Lesson(plain.summaries, np.array([0.8, 0.5, 0.1]))
         if taught is not None and lesson is None:
             taught(learned)
         values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}
@@ -159,6 +162,24 @@ def test_the_camera_can_be_given_and_exr_and_masks_are_read(tmp_path, made_up):
     np.testing.assert_allclose(made_up[0]["mask"].mean(axis=0)[[0, 70, 90, 159]], [0, 0, 1, 1])
 
 
+def test_a_camera_that_is_not_known_is_drawn_with_its_horizon_where_the_image_shows_it():
+    camera = Camera((0.0, 0.0, 4.0), pitch=0.1, field_of_view=0.6)
+    patterns = schema.CascadeConfig(sizes=(50.0,), resolution=8)
+    known = _photographs.start(camera, schema.PhotographCameraConfig(), patterns, 0)
+    keys = jax.random.split(jax.random.key(0), 400)
+    drawn = jax.vmap(lambda key: _photographs.varied(0.3, 0.2)(known, key).scene.camera)(keys)
+    np.testing.assert_allclose(np.std(np.log(drawn.position[:, 2] / 4.0)), 0.3, rtol=0.1)
+    half = np.tan(0.5 * np.asarray(drawn.field_of_view))
+    np.testing.assert_allclose(np.std(np.log(half)), 0.2, rtol=0.1)
+    # As a share of the image's height the horizon stays where it is.
+    np.testing.assert_allclose(np.tan(drawn.pitch) / half, np.tan(0.1) / np.tan(0.3), rtol=1e-5)
+    # The rest is what is drawn for a camera that is known.
+    assert _photographs.varied(0.0, 0.0) is _photographs.vary
+    plain = _photographs.vary(known, keys[0])
+    other = _photographs.varied(0.3, 0.2)(known, keys[0])
+    assert float(plain.scene.choppiness) == float(other.scene.choppiness)
+
+
 def test_without_an_image_one_is_made_whose_wind_is_told(tmp_path, made_up):
     finished = execute(load("fit_image", SMALL, output=str(tmp_path)))
     truth = result_of(finished)["true_wind_speed"]
@@ -183,9 +204,14 @@ def test_an_interrupted_fit_goes_on_from_its_last_step(tmp_path, made_up, monkey
     with pytest.raises(Interrupted, match="goes on from there"):
         execute(loaded)
     monkeypatch.setattr(_photographs, "fit_photograph", whole)
+    strip, shown = _image_views.strip, []
+    monkeypatch.setattr(_image_views, "strip", lambda *a: shown.extend(a[2]) or strip(*a))
     execute(loaded)
     assert made_up[0]["begin"] is None
     assert made_up[1]["begin"]["speed"] == 6.0
+    # Steps from before the interruption are shown too.
+    winds = [title.split(": ")[1] for title, _ in shown]
+    assert winds == ["5.0 m/s", "6.0 m/s", "5.0 m/s", "6.0 m/s", "7.0 m/s"]
     np.testing.assert_allclose(made_up[1]["lesson"].told, [0.8, 0.5, 0.1])
 
 
