@@ -111,12 +111,11 @@ def varied(height_spread: float, view_spread: float) -> Callable:
         camera = photograph.scene.camera
         normal = jax.random.normal(jax.random.fold_in(key, 2), (2,), jnp.float32)
         higher, wider = jnp.exp(height_spread * normal[0]), jnp.exp(view_spread * normal[1])
-        view, pitch = camera.field_of_view, camera.pitch
+        position, view, pitch = camera.position, camera.field_of_view, camera.pitch
         drawn = {
-            lambda c: c.position: camera.position
-            * jnp.stack([1.0, 1.0, higher]).astype(camera.position.dtype),
-            lambda c: c.field_of_view: 2 * jnp.arctan(wider * jnp.tan(0.5 * view)).astype(view.dtype),
-            lambda c: c.pitch: jnp.arctan(wider * jnp.tan(pitch)).astype(pitch.dtype),
+            lambda c: c.position: position.at[2].multiply(higher.astype(position.dtype)),
+            lambda c: c.field_of_view: 2 * jnp.arctan(wider.astype(view.dtype) * jnp.tan(0.5 * view)),
+            lambda c: c.pitch: jnp.arctan(wider.astype(pitch.dtype) * jnp.tan(pitch)),
         }
         camera = eqx.tree_at(lambda c: [where(c) for where in drawn], camera, list(drawn.values()))
         return vary(eqx.tree_at(lambda m: m.scene.camera, photograph, camera), key)
