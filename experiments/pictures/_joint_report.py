@@ -61,7 +61,7 @@ def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, res
         f"picture as well **{joint.correlation:+.2f} and ± {errors[joint.name][1]:.2g}**.",
         f"The picture alone has {picture.correlation:+.2f} and ± {errors[picture.name][1]:.2g}. It weighs what parts "
         "of the image say when each errs by itself; errors also hold how far the numbers would move if it were drawn "
-        "with four rays a pixel.",
+        "by the other method, or with a single look at each pixel.",
     ]
     setting = (
         f"truth U10 = {config.wind.speed:g} m/s, ε = {config.threshold:g}, λ = {config.choppiness:g}, "

@@ -18,8 +18,8 @@ DRAWS = 1000
 """After so many seas that have too few or too many whitecaps the limits are to blame."""
 
 FINISHES, FINER = (Raster(2.0), Rays()), 2
-"""Draw the last pictures of a fit, with so many times the rows and columns, of which the better ones count. Neither is
-what draws a target: those are averages of more pixels."""
+"""Draw the last pictures of a fit, with so many times the rows and columns, of which the better ones count. One of them
+draws as the target was drawn, but for the target's pixels, of which there are more."""
 
 DOUBTS = Raster(1.0), Rays()
 """What is drawn without more rows and columns tells how much these matter."""

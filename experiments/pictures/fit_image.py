@@ -87,7 +87,8 @@ def _fitted(
         values = {name: float(np.asarray(value)) for name, value in step.values.items()}
         _records.append(kept, {"cost": step.cost, "values": values})
         wind = f"U10 {values[_photographs.WIND]:.2f} m/s"
-        progress.step(f"Step {len(before) + step.number}: {wind}, cost {step.cost:.3g}")
+        # An interrupted fit goes on from its last step.
+        progress.step(f"Step {max(len(before) - 1, 0) + step.number}: {wind}, cost {step.cost:.3g}")
 
     def taught(lesson) -> None:
         _photographs.save_lesson(learned, lesson)

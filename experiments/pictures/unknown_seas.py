@@ -117,8 +117,8 @@ def _report(config: schema.UnknownSeasConfig, result: Result) -> str:
         f"{level:g} % intervals hold the truth. The regression with which the fit begins has "
         f"{100 * v['median_error_of_the_regression']:.0f} %.",
         f"The pictures are of JONSWAP seas, drawn by {DRAWN[config.targets]} with {config.detail}² times as many "
-        "pixels and averaged; the fit draws 2², by rays, and knows another family of spectra and other waves. Sun, "
-        "clouds, direction, age of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
+        "pixels and averaged; the fit draws eight rays down each pixel, and knows another family of spectra and other "
+        "waves. Sun, clouds, direction, age of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
         f"{v['seconds_median']:.0f} s in the median.",
         "![Pictures, and what was found in them](pictures.png)",
     ]

@@ -28,7 +28,7 @@ class PhotographCameraConfig(Section):
     view_spread: float = key(
         0.0,
         unit="-",
-        meaning="standard deviation of the logarithm of half the field of view's tangent, if it is not known",
+        meaning="standard deviation of the logarithm of the tangent of half the field of view, if it is not known",
         ge=0,
         le=1,
     )
@@ -67,9 +67,7 @@ class InferenceConfig(Section):
     """`inference`: how closely it is looked at, and for how long."""
 
     rows: int = key(90, unit="px", meaning="to which the image is reduced", ge=48, le=512)
-    scouts: int = key(
-        640, meaning="random states whose pictures teach what statistics tell", ge=100, le=100_000
-    )
+    scouts: int = key(640, meaning="random states whose pictures teach what statistics tell", ge=100, le=5000)
     seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=32)
     steps: int = key(2, meaning="of the way down, at most", ge=1, le=100)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)
@@ -111,7 +109,7 @@ class UnknownSeasConfig(ExperimentConfig):
     )
     detail: int = key(
         8,
-        meaning="times as many rows and columns in the pictures, averaged; the fit draws twice as many",
+        meaning="times as many rows and columns in the pictures, averaged",
         ge=1,
         le=8,
     )

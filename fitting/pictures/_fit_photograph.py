@@ -31,6 +31,9 @@ from ._summaries import Lesson, Summaries, learn
 DRAWN = 32
 """Pictures of a state from which the chance of its statistics is known."""
 
+MOST_FREE = 12
+"""Numbers that are sought at once: the chance of what tells them must be known from few seas."""
+
 METHOD = Rays((8, 1))
 """Draws pictures: of a pixel's long footprint on distant water many parts, each of its own light."""
 
@@ -152,7 +155,7 @@ def fit_photograph(
     - `priors`: as for `fitting.fit`.
     - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
     - `method`: how pixels find the sea, `Rays((8, 1))` if None: a mesh, and fewer rays, hold too few of the waves below
-      the horizon and too many of those nearby, and winds come out wrong by a third.
+      the horizon and show too much texture nearby, and winds come out wrong by a third.
     - `derivatives`: the same for derivatives, which may be rougher; `Raster(2.0)` with twice the rows and columns if
       None.
     - `detail`: pictures are drawn with so many times the rows and columns and averaged.
@@ -177,6 +180,8 @@ def fit_photograph(
     ):
         if number < least:
             raise ValueError(f"Argument `{name}` must be at least {least}, but is {number}.")
+    if seas > DRAWN:
+        raise ValueError(f"Argument `seas` must be at most {DRAWN}, but is {seas}.")
     began = time.perf_counter()
     size = int(image.shape[0]), int(image.shape[1])
     statistics = ImageStatistics(photograph.scene.camera, size, mask)
@@ -189,6 +194,10 @@ def fit_photograph(
             raise ValueError(
                 f"Argument `free` must pick single numbers, but `{slot.name}` has shape {slot.shape}."
             )
+    if len(slots) > MOST_FREE:
+        raise ValueError(
+            f"Argument `free` must pick at most {MOST_FREE} numbers, but picks {len(slots)}: one picture tells no more."
+        )
     with jax.enable_x64(True):
         problem = PictureProblem(
             _seas(photograph, DRAWN, seed, vary).some(seas),
@@ -209,13 +218,17 @@ def fit_photograph(
                 "a view of too little sea, or a mask that hides it",
                 "show more of the sea, or free other numbers",
             )
-        aim = lesson.summaries(jnp.asarray(observed))
+        # All programs take the same doubles, whether a lesson is new or comes from a file.
+        summaries = jax.tree.map(jnp.asarray, lesson.summaries)
+        aim = summaries(jnp.asarray(observed))
         guess = jnp.asarray(_sought.from_goals(problem, np.asarray(aim)))
         free_values = guess if begin is None else _sought.from_names(problem, begin)
         steps: list[PictureStep] = []
         scattered = _sought.scattered(problem, seed)
         rough = problem.by(*ROUGH) if derivatives is None else problem.by(derivatives, detail)
-        end = _descend(problem, rough, lesson, aim, free_values, scattered, most_steps, seed, steps, report)
+        end = _descend(
+            problem, rough, lesson, summaries, aim, free_values, scattered, most_steps, seed, steps, report
+        )
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
@@ -271,6 +284,7 @@ def _descend(
     problem: PictureProblem,
     rough: PictureProblem,
     lesson: Lesson,
+    summaries: Summaries,
     aim: Array,
     free: Array,
     scattered: tuple[np.ndarray, np.ndarray],
@@ -286,10 +300,10 @@ def _descend(
     best, weight, step, vain = None, None, np.zeros(free.size), 0
     for _ in range(most_steps + 1):
         drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
-        seen = np.asarray(lesson.summaries(jnp.asarray(drawn)))
+        seen = np.asarray(summaries(jnp.asarray(drawn)))
         # Chance is that of the beginning, so that costs can be compared.
         weight = _whitening(seen, kept) if weight is None else weight
-        target = replace(problem.target, summaries=lesson.summaries, observed=aim, whitening=weight)
+        target = replace(problem.target, summaries=summaries, observed=aim, whitening=weight)
         rows, jacobian = (np.asarray(each) for each in look(rough.against(target), free))
         own = np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim))
         expected = (np.asarray(free) - middle) / spread

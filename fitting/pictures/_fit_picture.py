@@ -15,6 +15,7 @@ from jaxocean._numerics import check_kind
 from jaxocean.render import Raster, Rays
 
 from .._bounds import Interval, Real
+from .._errors import FitError
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
@@ -104,7 +105,8 @@ def fit_picture(
     - `finish`: a more exact method for the end: Gauss–Newton steps with its residuals and the other method's
       derivatives, as long as they lower the cost. What `method` gets wrong everywhere alike is then no longer in the
       numbers. Of several the one counts that explains the picture best.
-    - `detail`: pictures of `finish` are drawn with so many times the rows and columns and averaged, as a camera's are.
+    - `detail`: pictures of `finish` are drawn with so many times the rows and columns and averaged, as a camera's are;
+      above 1 the model answers `picture(size, method, detail)`.
     - `doubts`: other methods, without that detail, whose pictures might be as right: how far the numbers would move
       with each of them, to first order, counts as one standard error of its own. Those of `finish` that explain the
       picture less well are in doubt in any case.
@@ -168,7 +170,14 @@ def fit_picture(
         unsure = [problem.by(other) for other in doubts]
         if ways:
             ends = [finish_with(way, free_values, jacobian) for way in ways]
-            best = int(np.argmin([float(jnp.sum(rows**2)) for _, rows in ends]))
+            costs = np.nan_to_num([float(jnp.sum(rows**2)) for _, rows in ends], nan=np.inf)
+            if not np.any(np.isfinite(costs)):
+                raise FitError(
+                    "Pictures by the methods of `finish` are not finite",
+                    "numbers that no scene has",
+                    "start from another scene, or finish with another method",
+                )
+            best = int(np.argmin(costs))
             problem, (free_values, rows) = ways[best], ends[best]
             unsure += ways[:best] + ways[best + 1 :]
         values = np.asarray(problem.constrain(free_values))

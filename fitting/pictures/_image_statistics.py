@@ -112,6 +112,10 @@ class ImageStatistics(eqx.Module):
         self.sideways = jnp.arctan2(along, jnp.maximum(ahead, 1e-6))
         self.size = size
         if is_concrete(self.bands) and float(jnp.sum(self.bands)) < PATCH:
+            if mask is not None and np.any(np.asarray(seen) < 1):
+                raise ValueError(
+                    "Argument `mask` must leave some of the sea below the horizon, but hides it."
+                )
             raise ValueError("Argument `camera` must see the sea, but hardly a pixel lies below the horizon.")
 
     def __call__(self, image: Float[Array, "rows columns 3"]) -> Float[Array, " m"]:

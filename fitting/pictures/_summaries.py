@@ -7,8 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from jaxocean._types import Scalar
-
 LENGTH = 1.5
 """Root mean square difference of statistics [deviations of theirs] over which what they tell is alike."""
 
@@ -25,7 +23,8 @@ FARTHEST = 4.0
 class Summaries(eqx.Module):
     """A regression from statistics to the numbers sought: a few numbers that hold most of what many say.
 
-    $$ f(s) = c + b·z + \\sum_i α_i \\exp\\Big(-\\frac{|z - z_i|^2}{2 m ℓ^2}\\Big), \\quad z = (s - \\bar s)/σ $$
+    $$ f(s) = c + b·z + \\sum_i α_i \\exp\\Big(-\\frac{|z - z_i|^2}{2 m ℓ^2}\\Big), \\quad
+       z = 4 \\tanh\\frac{s - \\bar s}{4 σ} $$
 
     Used as data of a fit, not only as its result: what matters is that they are the same function of the photograph and
     of the pictures of a scene (semi-automatic summaries, Fearnhead & Prangle 2012).
@@ -34,25 +33,26 @@ class Summaries(eqx.Module):
     `constant` c.
     """
 
-    middle: Float[Array, " m"]
-    scale: Float[Array, " m"]
-    known: Float[Array, "scene m"]
-    width: Scalar
-    weights: Float[Array, "scene q"]
-    slopes: Float[Array, "m q"]
-    constant: Float[Array, " q"]
+    middle: Float[Array | np.ndarray, " m"]
+    scale: Float[Array | np.ndarray, " m"]
+    known: Float[Array | np.ndarray, "scene m"]
+    width: Float[Array | np.ndarray, ""]
+    weights: Float[Array | np.ndarray, "scene q"]
+    slopes: Float[Array | np.ndarray, "m q"]
+    constant: Float[Array | np.ndarray, " q"]
 
     def __call__(self, statistics: Float[Array, "*b m"]) -> Float[Array, "*b q"]:
         dtype = statistics.dtype
         middle, scale, known, width, weights, slopes, constant = (
             getattr(self, each.name).astype(dtype) for each in fields(self)
         )
-        own = _limited((statistics - middle) / scale)
-        return constant + own @ slopes + _alike(own, known, width) @ weights
+        own = FARTHEST * jnp.tanh((statistics - middle) / scale / FARTHEST)
+        apart = jnp.sum((own[..., None, :] - known) ** 2, axis=-1)
+        return constant + own @ slopes + jnp.exp(-0.5 * apart / width) @ weights
 
 
 class Lesson(eqx.Module):
-    """What scouts taught of one camera: for other photographs of it.
+    """What scouts taught of one camera: for other photographs of it. All its numbers are doubles of NumPy.
 
     **Arguments:** `summaries`; `told`: the share of each goal's variance that they tell.
     """
@@ -69,7 +69,7 @@ class Lesson(eqx.Module):
     @classmethod
     def of(cls, arrays: dict[str, np.ndarray]) -> "Lesson":
         """From its `arrays`."""
-        parts = (jnp.asarray(arrays[each.name]) for each in fields(Summaries))
+        parts = (np.asarray(arrays[each.name]) for each in fields(Summaries))
         return cls(Summaries(*parts), np.asarray(arrays["told"]))
 
 
@@ -86,10 +86,12 @@ def learn(
     middle, scale = statistics.mean(axis=0), statistics.std(axis=0)
     # Without weight: a statistic that does not vary, or that is not to count.
     scale = np.where(np.asarray(steady) & (scale > 1e-9), scale, np.inf)
-    known = np.asarray(_limited(jnp.asarray((statistics - middle) / scale)))
+    known = FARTHEST * np.tanh((statistics - middle) / scale / FARTHEST)
     width = LENGTH**2 * max(int(np.sum(np.isfinite(scale))), 1)
-    kernel = np.asarray(_alike(jnp.asarray(known), jnp.asarray(known), jnp.asarray(width)))
-    kernel = kernel + LINEAR * known @ known.T
+    products = known @ known.T
+    squares = np.diag(products)
+    apart = np.maximum(squares[:, None] + squares - 2 * products, 0.0)
+    kernel = np.exp(-0.5 * apart / width) + LINEAR * products
     constant = goals.mean(axis=0)
     weights, least = np.zeros(goals.shape), np.full(goals.shape[1], np.inf)
     for ridge in RIDGES:
@@ -100,15 +102,4 @@ def learn(
         least = np.minimum(missed, least)
     told = np.maximum(1 - least / goals.var(axis=0), 0.0)
     parts = middle, scale, known, np.asarray(width, float), weights, LINEAR * known.T @ weights, constant
-    return Lesson(Summaries(*map(jnp.asarray, parts)), told)
-
-
-def _limited(scaled: Float[Array, "*b m"]) -> Float[Array, "*b m"]:
-    return FARTHEST * jnp.tanh(scaled / FARTHEST)
-
-
-def _alike(
-    own: Float[Array, "*b m"], known: Float[Array, "scene m"], width: Scalar
-) -> Float[Array, "*b scene"]:
-    apart = jnp.sum((own[..., None, :] - known) ** 2, axis=-1)
-    return jnp.exp(-0.5 * apart / width)
+    return Lesson(Summaries(*parts), told)

@@ -44,9 +44,10 @@ class Rays(eqx.Module):
     least_step: float = eqx.field(static=True, default=0.5)
 
     def __check_init__(self) -> None:
-        if len(self.sides) != 2 or not all(1 <= side <= 64 for side in self.sides):
+        if len(self.sides) != 2 or not all(isinstance(side, int) and 1 <= side <= 64 for side in self.sides):
             raise ValueError(
-                f"Argument `samples` must be 1 to 64 a side, or two such numbers, but is {self.samples}."
+                "Argument `samples` must be a whole number from 1 to 64, or (down, across) of such, but is "
+                f"{self.samples!r}."
             )
         if not 0.01 <= self.least_step <= 2:
             raise ValueError(
@@ -56,7 +57,7 @@ class Rays(eqx.Module):
     @property
     def sides(self) -> tuple[int, int]:
         """Rays down and across a pixel."""
-        return (self.samples, self.samples) if isinstance(self.samples, int) else self.samples
+        return self.samples if isinstance(self.samples, tuple) else (self.samples, self.samples)
 
 
 class RayHits(NamedTuple):

@@ -15,7 +15,8 @@ from ._planet import Components, to_world, vertical
 class Pixels(eqx.Module):
     """Pixels of an image in certain rows and columns.
 
-    **Arguments:** `camera`, `size`: of the image; `rows`, `columns`: their numbers; `curvature`: of the planet [1/m];
+    **Arguments:** `camera`, `size`: of the image, for several rays in each pixel of one with a row for each of theirs;
+    `rows`, `columns`: their numbers, fractions if fewer rays go across than down; `curvature`: of the planet [1/m];
     `hit`: whether each pixel's centre sees water.
     """
 
@@ -39,8 +40,7 @@ class Visible(eqx.Module):
 
     **Arguments:**
 
-    - `camera`, `size`: of the image; `rows`: numbers of the rows; `curvature`: of the planet [1/m];
-      `columns`: numbers of the columns, or None for all.
+    - `camera`, `size`, `rows`, `columns`, `curvature`: as for `Pixels`; no columns for all of them.
     - `hit`: whether the pixel's centre sees water.
     - `depth`: distance of the seen point from the pinhole [m].
     - `place`: (x, y) of that point at rest, from the point below the camera [m].

@@ -139,7 +139,7 @@ def test_derivatives_match_differences_and_are_finite_where_nothing_is_seen(stat
     [
         (Camera((0.0, 0.0, 4.0), pitch=-0.6, field_of_view=0.6), None, "hardly a pixel"),
         (CAMERA, np.ones((4, 4)), "Argument `mask`"),
-        (CAMERA, np.zeros(SIZE), "hardly a pixel"),
+        (CAMERA, np.zeros(SIZE), "hides it"),
     ],
 )
 def test_a_view_of_no_sea_is_refused(camera, mask, words):
@@ -300,6 +300,8 @@ def test_a_step_can_be_looked_at(fitted):
     [
         ({"scouts": 3}, "Argument `scouts`"),
         ({"seas": 0}, "Argument `seas`"),
+        ({"seas": 33}, "Argument `seas`"),
+        ({"mask": np.zeros(SIZE)}, "Argument `mask`"),
         ({"free": Parameter(lambda m: m.scene.camera.position)}, "single numbers"),
     ],
 )
@@ -315,6 +317,22 @@ def test_levels_and_names_of_intervals_are_checked(fitted):
         found.interval("height")
     with pytest.raises(ValueError, match="Argument `level`"):
         found.interval("speed", 1.0)
+
+
+def test_summaries_follow_what_is_not_a_straight_line_and_say_how_well():
+    random = np.random.default_rng(2)
+    rows = random.uniform(-2, 2, (300, 2))
+    goals = np.stack([rows[:, 0] ** 2, np.sin(2 * rows[:, 1])], axis=1) + 0.05 * random.normal(size=(300, 2))
+    new = random.uniform(-2, 2, (200, 2))
+    lesson = learn(rows, goals, (True, True))
+    assert np.all(lesson.told > 0.95)
+    found = np.asarray(lesson.summaries(jnp.asarray(new)))
+    # What is told of scenes left out is what new ones show.
+    missed = found - np.stack([new[:, 0] ** 2, np.sin(2 * new[:, 1])], axis=1)
+    off = 1 - (missed.var(axis=0) + 0.05**2) / goals.var(axis=0)
+    np.testing.assert_allclose(lesson.told, off, atol=0.01)
+    again = Lesson.of(lesson.arrays)
+    np.testing.assert_array_equal(np.asarray(again.summaries(jnp.asarray(new))), found)
 
 
 def test_summaries_tell_what_statistics_tell_and_nothing_of_what_does_not_count():

@@ -300,7 +300,7 @@ def test_more_rays_down_than_across_say_more_of_distant_water_than_a_square_of_t
         )
         return np.asarray(of(fields))
 
-    exact = slopes(8)
+    exact = slopes(6)
     off = {samples: np.std(slopes(samples) - exact) for samples in (2, (4, 1))}
     assert off[(4, 1)] < 0.8 * off[2]
 
@@ -379,8 +379,9 @@ def test_depth_and_normal_are_those_of_mitsuba_on_the_exported_mesh(rough, tmp_p
 def test_choices_that_make_no_sense_are_refused(rough):
     with pytest.raises(ValueError, match="samples"):
         Rays(samples=0)
-    with pytest.raises(ValueError, match="samples"):
-        Rays(samples=(2, 0))
+    for samples in ((2, 0), (65, 1)):
+        with pytest.raises(ValueError, match="samples"):
+            Rays(samples=samples)
     with pytest.raises(ValueError, match="least_step"):
         Rays(least_step=0.0)
     with pytest.raises(ValueError, match="samples"):
