@@ -212,7 +212,8 @@ def fit_photograph(
             lesson = _taught(problem, scouts, seed, scouted)
             if taught is not None:
                 taught(lesson)
-        if not np.any(_sought.kept(problem, lesson)):
+        kept = _sought.kept(problem, lesson)
+        if not np.any(kept):
             raise FitError(
                 "The statistics of the image tell nothing of the free numbers",
                 "a view of too little sea, or a mask that hides it",
@@ -227,17 +228,14 @@ def fit_photograph(
         scattered = _sought.scattered(problem, seed)
         rough = problem.by(*ROUGH) if derivatives is None else problem.by(derivatives, detail)
         end = _descend(
-            problem, rough, lesson, summaries, aim, free_values, scattered, most_steps, seed, steps, report
+            problem, rough, kept, summaries, aim, free_values, scattered, most_steps, seed, steps, report
         )
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
-        covariance, free_values = (
-            _sought.no_smaller(problem, lesson, end.covariance(), scattered[1]),
-            end.free,
-        )
-        values = np.asarray(problem.constrain(free_values))
-        stretch = np.abs(np.asarray(problem.stretch(free_values)))
+        covariance = _sought.no_smaller(problem, lesson, end.covariance(), scattered[1])
+        values = np.asarray(problem.constrain(end.free))
+        stretch = np.abs(np.asarray(problem.stretch(end.free)))
         guessed = problem.named(np.asarray(problem.constrain(guess)))
     return PhotographFit(
         problem.named(values),
@@ -283,7 +281,7 @@ class _End:
 def _descend(
     problem: PictureProblem,
     rough: PictureProblem,
-    lesson: Lesson,
+    kept: np.ndarray,
     summaries: Summaries,
     aim: Array,
     free: Array,
@@ -294,7 +292,6 @@ def _descend(
     report: Callable[[PictureStep], None] | None,
 ) -> _End:
     """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
-    kept = _sought.kept(problem, lesson)
     count = int(kept.sum())
     middle, spread = _sought.expected(problem, free, *scattered)
     best, weight, step, vain = None, None, np.zeros(free.size), 0

@@ -13,6 +13,7 @@ from jaxocean._types import Scalar
 from jaxocean.optics import AbstractFoam, AbstractWater, Foam, Shading, Water
 from jaxocean.optics.sky import AbstractSky, HosekWilkie
 from jaxocean.render import Camera, Raster, Rays, render
+from jaxocean.render._rays import average
 from jaxocean.surface import Cascade, Fields, realise
 
 from .._slopes import Slopes
@@ -125,9 +126,7 @@ class SceneModel(eqx.Module):
         camera = _on_the_water(scene.camera, ocean.fields(scene.time)) if self.afloat else scene.camera
         rows, columns = size
         light = render(ocean, camera, scene.time, (detail * rows, detail * columns), method=method)
-        if detail > 1:
-            light = light.reshape(rows, detail, columns, detail, 3).mean(axis=(1, 3))
-        return light * jnp.exp2(scene.exposure)
+        return average(light, (detail, detail)) * jnp.exp2(scene.exposure)
 
 
 def _on_the_water(camera: Camera, fields: Fields) -> Camera:

@@ -3,7 +3,7 @@
 The goals of an angle are its cosine and its sine.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import jax.numpy as jnp
 import numpy as np
@@ -29,6 +29,15 @@ def is_angle(slot: Slot) -> bool:
     return slot.unit == "rad" and isinstance(slot.bounds, Real)
 
 
+def places(problem: PictureProblem) -> Iterator[tuple[Slot, slice]]:
+    """Each free number, and where its goals stand."""
+    place = 0
+    for slot in problem.slots:
+        width = 2 if is_angle(slot) else 1
+        yield slot, slice(place, place + width)
+        place += width
+
+
 def from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[np.ndarray, " p"]:
     """One state, on the real line of the bounds."""
     values = []
@@ -48,12 +57,10 @@ def from_priors(problem: PictureProblem, random: np.random.Generator) -> Float[n
 
 def kept(problem: PictureProblem, lesson: Lesson) -> np.ndarray:
     """Which summaries count: those that tell something, of angles both or none."""
-    kept, place = lesson.told > TELLING, 0
-    for slot in problem.slots:
-        if is_angle(slot):
-            kept[place : place + 2] = kept[place : place + 2].any()
-        place += 2 if is_angle(slot) else 1
-    return kept
+    told = lesson.told > TELLING
+    for _, own in places(problem):
+        told[own] = told[own].any()
+    return told
 
 
 def expected(
@@ -77,13 +84,11 @@ def no_smaller(
 
     The derivative of a mean over a few seas is rough: where it happens to be steep it promises too much.
     """
-    told, place, factors = lesson.told, 0, np.ones(len(spread))
-    for number, slot in enumerate(problem.slots):
-        turns = is_angle(slot)
-        if not turns:
-            least = np.sqrt(1 - told[place]) * spread[number]
+    factors = np.ones(len(spread))
+    for number, (slot, own) in enumerate(places(problem)):
+        if not is_angle(slot):
+            least = np.sqrt(1 - lesson.told[own][0]) * spread[number]
             factors[number] = max(least / np.sqrt(covariance[number, number]), 1.0)
-        place += 2 if turns else 1
     return covariance * np.outer(factors, factors)
 
 
@@ -112,12 +117,7 @@ def goals(problem: PictureProblem, points: Float[np.ndarray, "scout p"]) -> Floa
 
 def from_goals(problem: PictureProblem, goals: Float[np.ndarray, " q"]) -> Float[np.ndarray, " p"]:
     """The state of which summaries tell."""
-    values, place = [], 0
-    for slot in problem.slots:
-        if is_angle(slot):
-            values.append(np.arctan2(goals[place + 1], goals[place]))
-            place += 2
-        else:
-            values.append(goals[place])
-            place += 1
+    values = []
+    for slot, own in places(problem):
+        values.append(np.arctan2(*goals[own][::-1]) if is_angle(slot) else goals[own][0])
     return np.asarray(values)

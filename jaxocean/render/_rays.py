@@ -144,7 +144,7 @@ def ray_bands(size: tuple[int, int], sides: tuple[int, int], dtype: jnp.dtype) -
 def average(
     values: Shaped[Array, "rays_down rays_across *b"], sides: tuple[int, int]
 ) -> Shaped[Array, "rows columns *b"]:
-    """Means over the rays of each pixel; of what is true or false, what at least half of them say."""
+    """Means over the parts of each pixel; of what is true or false, what at least half of them say."""
     if sides == (1, 1):
         return values
     (down, across), (rows, columns, *others) = sides, values.shape
