@@ -29,6 +29,7 @@ from jaxocean.render import Camera, Raster
 
 from .. import schema
 from ..common import _build
+from ..harness import _records
 from ..harness._errors import UserError
 
 FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
@@ -240,9 +241,29 @@ def fit(
     patterns: schema.CascadeConfig,
     config: schema.InferenceConfig,
     seed: int,
+    *,
+    keep: Path,
+    advance: Callable[[], None] | None = None,
+    taught: Callable[[], None] | None = None,
     **options,
 ) -> PhotographFit:
-    """Wind and light of an image; `options` as for `fit_photograph`."""
+    """Wind and light of an image.
+
+    **Arguments:** `keep`: file of what scouts of this camera teach, read if it is there; what is drawn before that is
+    kept beside it. `advance`: called after each 32 scouts that are drawn; `taught`: after the last. `options` as for
+    `fit_photograph`.
+    """
+
+    def scouted(statistics: np.ndarray) -> None:
+        _records.append(_scouts(keep), {"statistics": statistics.tolist()})
+        if advance is not None:
+            advance()
+
+    def learned(lesson: Lesson) -> None:
+        save_lesson(keep, lesson)
+        if taught is not None:
+            taught()
+
     return fit_photograph(
         start(image.camera, camera, patterns, seed),
         free(config),
@@ -253,8 +274,21 @@ def fit(
         seas=config.seas,
         most_steps=config.steps,
         seed=seed,
+        lesson=read_lesson(keep),
+        scouts_before=scouts_before(keep),
+        scouted=scouted,
+        taught=learned,
         **options,
     )
+
+
+def scouts_before(keep: Path) -> list[np.ndarray]:
+    """Statistics of the scouts that an interrupted run has drawn."""
+    return [np.asarray(each["statistics"], float) for each in _records.read(_scouts(keep))]
+
+
+def _scouts(keep: Path) -> Path:
+    return keep.with_suffix(".scouts.jsonl")
 
 
 def with_values(photograph: Photograph, values: Mapping[str, float]) -> Photograph:

@@ -14,6 +14,9 @@ from jaxocean.render import Camera, Raster, Rays
 from .. import schema
 from ..common import _build
 
+FOAMIEST = 0.95
+"""Largest ε [-] of a start: above it nearly all is foam, and the start is too low instead."""
+
 DRAWS = 1000
 """After so many seas that have too few or too many whitecaps the limits are to blame."""
 
@@ -90,11 +93,16 @@ def _start(config: schema.PictureRecoveryConfig, truth: SceneModel, random) -> S
         )
 
     speed, direction, choppiness, threshold, sun, exposure = (float(each) for each in free(truth))
+
+    def off_threshold() -> float:
+        share = off()
+        return threshold * (1 + (share if threshold * (1 + share) <= FOAMIEST else -share))
+
     found = (
         speed * (1 + off()),
         direction + off(),  # as a share of a radian
         choppiness * (1 + off()),
-        min(threshold * (1 + off()), 0.95),
+        off_threshold(),
         sun * (1 + off()),
         exposure + 2 * off(),  # stops; 0.4 of them are 30 % of the light
     )

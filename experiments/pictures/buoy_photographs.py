@@ -28,13 +28,13 @@ def run(config: schema.BuoyPhotographsConfig, progress: Reporter, store: Files) 
     try:
         for file, wind in winds.items():
             if file not in done:
-                done[file] = _infer(config, folder / file, wind)
+                done[file] = _infer(config, folder / file, wind, store.unfinished())
                 _records.append(kept, done[file])
             advance()
     except KeyboardInterrupt:
         raise Interrupted(
-            f"Interrupted: {len(done)} of {len(winds)} photographs are kept, and the same command goes on with the "
-            "others."
+            f"Interrupted: {len(done)} of {len(winds)} photographs are kept, and what is learned of another, and the "
+            "same command goes on from there."
         ) from None
     inferred = [_winds.Inferred(**done[file]["inferred"]) for file in winds]
     progress.step("Drawing")
@@ -87,11 +87,18 @@ def _taken(config: schema.BuoyPhotographsConfig, path: Path) -> _photographs.Tak
     return _photographs.taken(path, None, config.camera, config.inference.rows, "folder")
 
 
-def _infer(config: schema.BuoyPhotographsConfig, path: Path, true: float) -> dict:
+def _infer(config: schema.BuoyPhotographsConfig, path: Path, true: float, folder: Path) -> dict:
     name = path.stem.split("_")[0]
     try:
         image = _taken(config, path)
-        fit = _photographs.fit(image, config.camera, config.cascade, config.inference, config.seed)
+        fit = _photographs.fit(
+            image,
+            config.camera,
+            config.cascade,
+            config.inference,
+            config.seed,
+            keep=folder / f"{path.stem}.npz",
+        )
     except (FitError, UserError, ValueError) as problem:
         failed = _winds.Inferred.failed(name, true, problem)
         return {"file": path.name, "inferred": asdict(failed), "values": {}}

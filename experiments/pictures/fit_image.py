@@ -40,7 +40,7 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
         found = _fitted(config, taken, progress, store)
     except KeyboardInterrupt:
         raise Interrupted(
-            "Interrupted: once the random states are drawn, what they taught and each step is kept, and the same "
+            "Interrupted: what is drawn of the random states, what they taught and each step is kept, and the same "
             "command goes on from there."
         ) from None
     except (FitError, ValueError) as problem:
@@ -76,12 +76,11 @@ def _fitted(
     """The fit, from where an interrupted one left off."""
     kept, learned = store.unfinished() / STEPS, store.unfinished() / "lesson.npz"
     before = _records.read(kept)
-    lesson = _photographs.read_lesson(learned)
+    taught = learned.is_file()
     advance = None
-    if lesson is None:
-        advance = progress.count(
-            "Random states; the first picture compiles, for a minute", -(-config.inference.scouts // DRAWN)
-        )
+    if not taught:
+        left = -(-config.inference.scouts // DRAWN) - len(_photographs.scouts_before(learned))
+        advance = progress.count("Random states; the first picture compiles, for a minute", left)
 
     def report(step: PictureStep) -> None:
         values = {name: float(np.asarray(value)) for name, value in step.values.items()}
@@ -90,21 +89,17 @@ def _fitted(
         # An interrupted fit goes on from its last step.
         progress.step(f"Step {max(len(before) - 1, 0) + step.number}: {wind}, cost {step.cost:.3g}")
 
-    def taught(lesson) -> None:
-        _photographs.save_lesson(learned, lesson)
-        progress.step("Going down; the first step compiles, for a minute or two")
-
     return _photographs.fit(
         taken,
         config.camera,
         config.cascade,
         config.inference,
         config.seed,
-        lesson=lesson,
-        begin=before[-1]["values"] if before and lesson is not None else None,
+        keep=learned,
+        advance=advance,
+        taught=lambda: progress.step("Going down; the first step compiles, for a minute or two"),
+        begin=before[-1]["values"] if before and taught else None,
         report=report,
-        scouted=advance,
-        taught=taught,
     )
 
 

@@ -1,6 +1,7 @@
 """`unknown_seas`: winds from pictures of seas whose waves are not known, and whether their intervals can be trusted."""
 
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 
@@ -35,7 +36,8 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
             advance()
     except KeyboardInterrupt:
         raise Interrupted(
-            f"Interrupted: {len(done)} of {config.count} seas are kept, and the same command goes on with the others."
+            f"Interrupted: what is learned and {len(done)} of {config.count} seas are kept, and the same command goes "
+            "on with the others."
         ) from None
     inferred = [_winds.Inferred(**done[number]["inferred"]) for number in range(config.count)]
     progress.step("Drawing")
@@ -61,7 +63,7 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
     return result
 
 
-def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
+def _infer(config: schema.UnknownSeasConfig, number: int, learned: Path) -> dict:
     state = _unknown_scenes.draw(config, number)
     image, true = _taken(config, state), float(state.scene.wind.speed)
     foam = _winds.bright_share(image.light, image.camera, None)
@@ -72,8 +74,7 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned) -> dict:
             config.cascade,
             config.inference,
             config.seed,
-            lesson=_photographs.read_lesson(learned),
-            taught=lambda lesson: _photographs.save_lesson(learned, lesson),
+            keep=learned,
         )
     except (FitError, ValueError) as problem:
         failed = _winds.Inferred.failed(str(number), true, problem, foam)

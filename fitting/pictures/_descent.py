@@ -11,7 +11,10 @@ import optimistix as optx
 from jaxtyping import Array, Float, PyTree
 
 from .._errors import FitError
-from ._problem import PictureProblem, look, rows_of
+from ._problem import PictureProblem, look, look_once, rows_of
+
+LARGE = 250_000
+"""Pixels of a picture of which not all is kept for its derivative: that takes 7 kB each."""
 
 PATIENCE = 3
 """Steps that must together lower the cost by more than the tolerance."""
@@ -58,66 +61,92 @@ def _solver_step(solver: optx.LevenbergMarquardt, y: Array, state: PyTree, known
     return solver.step(residuals, y, known, {}, state, frozenset())[:2]
 
 
-def descend(
-    problem: PictureProblem,
-    y: Array,
-    tolerance: float,
-    most_steps: int,
-    finest: int,
-    steps: list[PictureStep],
-    report: Callable | None,
-) -> tuple[Array, tuple[Array, Array]]:
-    """Levenberg–Marquardt, step by step, so that whoever waits may watch.
+class Descent:
+    """A way down by Levenberg–Marquardt steps, so many at a time, so that whoever waits may watch, and turn back.
 
-    **Returns:** where it ends, and the residuals and their derivatives there.
+    - `free`, `rows`, `jacobian`: the lowest point so far, with its residuals and their derivatives; `cost`: half the
+      sum of squared residuals there.
+    - `steps`: all that lowered the cost, the start first.
     """
-    solver = optx.LevenbergMarquardt(tolerance, 1e-4 * tolerance, norm=optx.rms_norm)
-    # Steps grow as soon as the cost falls half as foreseen: each costs a picture for every free number.
-    solver = eqx.tree_at(
-        lambda s: s.search, solver, optx.ClassicalTrustRegion(high_cutoff=0.5, low_cutoff=0.05)
-    )
-    known = look(problem, y)
-    # The solver's first step is damped as suits residuals of order 1.
-    scale = 1 / jnp.sqrt(jnp.sum(known[0] ** 2) + jnp.finfo(float).tiny)
-    if not all(bool(jnp.all(jnp.isfinite(each))) for each in known):
-        raise FitError(
-            "The picture of the starting scene, or its derivative, is not finite",
-            "a number that no scene has",
-            "start from another scene",
+
+    def __init__(
+        self,
+        problem: PictureProblem,
+        start: Array,
+        tolerance: float,
+        *,
+        finest: int = 0,
+        number: int = 0,
+        report: Callable | None = None,
+    ) -> None:
+        """Look at the start.
+
+        **Arguments:** `tolerance`: as for `fit_picture`; `finest`: levels that are left out; `number`: of the first
+        step; `report`: called with each.
+        """
+        self._problem, self._tolerance = problem, tolerance
+        self._finest, self._number, self._report = finest, number, report
+        rows, columns = problem.target.size
+        self._derive = look if rows * columns > LARGE else look_once
+        self._seen = self._derive(problem, start)
+        if not all(bool(jnp.all(jnp.isfinite(each))) for each in self._seen):
+            raise FitError(
+                "The picture of the starting scene, or its derivative, is not finite",
+                "a number that no scene has",
+                "start from another scene",
+            )
+        solver = optx.LevenbergMarquardt(tolerance, 1e-4 * tolerance, norm=optx.rms_norm)
+        # Steps grow as soon as the cost falls half as foreseen: each costs a picture for every free number.
+        self._solver = eqx.tree_at(
+            lambda s: s.search, solver, optx.ClassicalTrustRegion(high_cutoff=0.5, low_cutoff=0.05)
         )
-    struct = jax.eval_shape(lambda: known[0])
-    state = solver.init(lambda y, known: (_known(y, *known), None), y, known, {}, struct, None, frozenset())
-    best, costs = (y, known), []
-    for _ in range(most_steps + 1):
-        cost = 0.5 * float(jnp.sum(known[0] ** 2))
-        if not costs or cost < costs[-1]:
-            best = state.y_eval, known
-            costs.append(cost)
-            values = problem.named(np.asarray(problem.constrain(state.y_eval)))
-            steps.append(PictureStep(len(steps), 2**finest, cost, values))
-            if report is not None:
-                report(steps[-1])
-            # The derivative of a picture is rough: near the end many steps gain hardly anything.
-            if len(costs) > PATIENCE and costs[-1 - PATIENCE] - cost < tolerance * cost:
-                return best
-        y, state = _solver_step(solver, y, state, jax.tree.map(lambda each: scale * each, known))
-        if bool(state.terminate):
-            # It ends with a step that is taken: what is known is known there.
-            return y, known
-        known = look(problem, state.y_eval)
-        # A step too far is one that the solver shall take back.
-        finite = jnp.all(jnp.isfinite(known[0]))
-        known = (
-            jnp.where(finite, known[0], jnp.sqrt(jnp.finfo(float).max) / known[0].size),
-            jnp.where(finite, known[1], 0.0),
+        # The solver's first step is damped as suits residuals of order 1.
+        self._scale = 1 / jnp.sqrt(jnp.sum(self._seen[0] ** 2) + jnp.finfo(float).tiny)
+        struct = jax.eval_shape(lambda: self._seen[0])
+        self._y = start
+        self._state = self._solver.init(
+            lambda y, known: (_known(y, *known), None), start, self._seen, {}, struct, None, frozenset()
         )
-    if finest:
-        return best
-    raise FitError(
-        f"The fit did not come to rest in {most_steps} steps",
-        "a picture that these numbers cannot explain, or numbers that it does not tell apart",
-        "start closer, free fewer numbers, give priors, or allow more steps",
-    )
+        self.steps: list[PictureStep] = []
+        self._costs: list[float] = []
+        self._keep(start)
+
+    def go(self, most_steps: int) -> bool:
+        """Take steps, those that are taken back among them; True if no more are worth it."""
+        for _ in range(most_steps):
+            if self._idle():
+                return True
+            known = jax.tree.map(lambda each: self._scale * each, self._seen)
+            self._y, self._state = _solver_step(self._solver, self._y, self._state, known)
+            if bool(self._state.terminate):
+                return True
+            rows, jacobian = self._derive(self._problem, self._state.y_eval)
+            # A step too far is one that the solver shall take back.
+            finite = jnp.all(jnp.isfinite(rows))
+            self._seen = (
+                jnp.where(finite, rows, jnp.sqrt(jnp.finfo(float).max) / rows.size),
+                jnp.where(finite, jacobian, 0.0),
+            )
+            self._keep(self._state.y_eval)
+        return self._idle()
+
+    def _keep(self, free: Array) -> None:
+        """What was seen there, if it is lower than before."""
+        rows, jacobian = self._seen
+        cost = 0.5 * float(jnp.sum(rows**2))
+        if self._costs and cost >= self._costs[-1]:
+            return
+        self.free, self.rows, self.jacobian, self.cost = free, rows, jacobian, cost
+        self._costs.append(cost)
+        values = self._problem.named(np.asarray(self._problem.constrain(free)))
+        self.steps.append(PictureStep(self._number + len(self.steps), 2**self._finest, cost, values))
+        if self._report is not None:
+            self._report(self.steps[-1])
+
+    def _idle(self) -> bool:
+        """The derivative of a picture is rough: near the end many steps gain hardly anything."""
+        before = self._costs[-1 - PATIENCE] if len(self._costs) > PATIENCE else np.inf
+        return before - self.cost < self._tolerance * self.cost
 
 
 def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[Array, Array]:

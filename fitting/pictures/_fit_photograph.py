@@ -132,8 +132,9 @@ def fit_photograph(
     begin: Mapping[str, float] | None = None,
     most_steps: int = 2,
     seed: int = 0,
+    scouts_before: Sequence[np.ndarray] = (),
     report: Callable[[PictureStep], None] | None = None,
-    scouted: Callable[[], None] | None = None,
+    scouted: Callable[[np.ndarray], None] | None = None,
     taught: Callable[[Lesson], None] | None = None,
 ) -> PhotographFit:
     """Fit the state of a sea to a photograph of other waves than the model's: by what `ImageStatistics` say of it.
@@ -164,8 +165,10 @@ def fit_photograph(
     - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
     - `most_steps`: of the way down.
     - `seed`: of all random numbers.
-    - `report`: called with each step that lowers the cost; `scouted`: after each 32 scouts; `taught`: with what they
-      taught.
+    - `scouts_before`: what `scouted` was given by an interrupted call with the same arguments: these are not drawn
+      again.
+    - `report`: called with each step that lowers the cost; `scouted`: with the statistics of each 32 scouts; `taught`:
+      with what they taught.
 
     **Returns:** `PhotographFit`.
 
@@ -180,6 +183,12 @@ def fit_photograph(
     ):
         if number < least:
             raise ValueError(f"Argument `{name}` must be at least {least}, but is {number}.")
+    batches = [min(DRAWN, scouts - part) for part in range(0, scouts, DRAWN)]
+    if [len(each) for each in scouts_before] != batches[: len(scouts_before)]:
+        raise ValueError(
+            f"Argument `scouts_before` must hold {DRAWN} scouts each, as `scouted` was given them, and no more than "
+            f"`scouts` = {scouts}."
+        )
     if seas > DRAWN:
         raise ValueError(f"Argument `seas` must be at most {DRAWN}, but is {seas}.")
     began = time.perf_counter()
@@ -209,7 +218,7 @@ def fit_photograph(
             detail,
         )
         if lesson is None:
-            lesson = _taught(problem, scouts, seed, scouted)
+            lesson = _taught(problem, scouts, seed, scouts_before, scouted)
             if taught is not None:
                 taught(lesson)
         kept = _sought.kept(problem, lesson)
@@ -334,11 +343,17 @@ def _descend(
     return best
 
 
-def _taught(problem: PictureProblem, scouts: int, seed: int, scouted: Callable[[], None] | None) -> Lesson:
+def _taught(
+    problem: PictureProblem,
+    scouts: int,
+    seed: int,
+    before: Sequence[np.ndarray],
+    scouted: Callable[[np.ndarray], None] | None,
+) -> Lesson:
     random = np.random.default_rng(seed)
     points = np.stack([_sought.from_priors(problem, random) for _ in range(scouts)])
     # Other seas than those that later make means and chances: these must not be what was learned from.
-    drawn = _at(problem, points, seed + SCOUTS, scouted)
+    drawn = _at(problem, points, seed + SCOUTS, before, scouted)
     sound = np.all(np.isfinite(drawn), axis=1)
     if np.mean(sound) < 0.5:
         raise FitError(
@@ -355,19 +370,26 @@ def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None) -> S
 
 
 def _at(
-    problem: PictureProblem, points: np.ndarray, seed: int, advance: Callable[[], None] | None = None
+    problem: PictureProblem,
+    points: np.ndarray,
+    seed: int,
+    before: Sequence[np.ndarray] = (),
+    found_some: Callable[[np.ndarray], None] | None = None,
 ) -> np.ndarray:
-    """Statistics of a picture at each point, each of a sea of its own: the same at the same place in a series."""
-    found = []
+    """Statistics of a picture at each point, each of a sea of its own: the same at the same place in a series.
+
+    **Arguments:** `before`: what `found_some` was called with for the first of these points.
+    """
+    found = [np.asarray(each, float) for each in before]
     # So many at a time that all pictures are drawn by one program.
-    for part in range(0, len(points), DRAWN):
+    for part in range(DRAWN * len(found), len(points), DRAWN):
         some = points[part : part + DRAWN]
         whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
         drawn = _seas(problem.model.photograph, DRAWN, seed + part, None)
         rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
         found.append(np.asarray(rows, float)[: len(some)])
-        if advance is not None:
-            advance()
+        if found_some is not None:
+            found_some(found[-1])
     return np.concatenate(found)
 
 

@@ -19,7 +19,7 @@ from .._errors import FitError
 from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
-from ._descent import PictureStep, descend, finish_with, shift
+from ._descent import Descent, PictureStep, finish_with, shift
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
@@ -31,6 +31,9 @@ no way in single pixels, but do in squares that are wider than they are off."""
 
 THRESHOLDS = Interval(-3.0, 1.0)
 """Where ε [-] lies if nothing else is said."""
+
+HEAT = 5
+"""Steps after which only one of two ways down is gone on with."""
 
 FOAMY = np.linspace(0.1, 0.95, 18)
 """Values of ε that are tried after the coarse squares, from which it may have gone where there is no foam."""
@@ -157,7 +160,8 @@ def fit_picture(
         coarse = min(COARSE, target.levels - 1)
         if coarse:
             stage = problem.against(target.without(coarse))
-            free_values = _coarsely(stage, free_values, scouts, most_steps, coarse, steps, report)
+            way = _coarsely(stage, free_values, scouts, most_steps, coarse, report)
+            free_values, steps = way.free, way.steps
         elif scouts:
             free_values = scout(problem, free_values, scouts)
         place = 0
@@ -165,7 +169,15 @@ def fit_picture(
             if slot.bounds is THRESHOLDS:
                 free_values = awaken(problem, free_values, place, FOAMY)
             place += slot.size
-        free_values, (rows, jacobian) = descend(problem, free_values, tolerance, most_steps, 0, steps, report)
+        way = Descent(problem, free_values, tolerance, number=len(steps), report=report)
+        if not way.go(most_steps):
+            raise FitError(
+                f"The fit did not come to rest in {most_steps} steps",
+                "a picture that these numbers cannot explain, or numbers that it does not tell apart",
+                "start closer, free fewer numbers, give priors, or allow more steps",
+            )
+        free_values, rows, jacobian = way.free, way.rows, way.jacobian
+        steps = steps + way.steps
         ways = [problem.by(other, detail) for other in finishes]
         unsure = [problem.by(other) for other in doubts]
         if ways:
@@ -206,18 +218,17 @@ def _coarsely(
     scouts: int,
     most_steps: int,
     finest: int,
-    steps: list[PictureStep],
     report: Callable | None,
-) -> Array:
-    """The better end on coarse squares of the ways down from the start and from the best of some scouts."""
-    ends = []
-    for begin in [start, scout(stage, start, scouts)] if scouts else [start]:
-        way: list[PictureStep] = []
-        free, (rows, _) = descend(stage, begin, COARSE_TOLERANCE, most_steps, finest, way, report)
-        ends.append((float(jnp.sum(rows**2)), free, way))
-    _, free, way = min(ends, key=lambda end: end[0])
-    steps.extend(way)
-    return free
+) -> Descent:
+    """The way down on coarse squares from the start, or from the best of some scouts if that is soon lower."""
+    begins = [start, scout(stage, start, scouts)] if scouts else [start]
+    ways = [Descent(stage, each, COARSE_TOLERANCE, finest=finest, report=report) for each in begins]
+    if len(ways) > 1:
+        for each in ways:
+            each.go(HEAT)
+    best = min(ways, key=lambda each: each.cost)
+    best.go(most_steps)
+    return best
 
 
 def _covariance(problem: PictureProblem, rows: Array, jacobian: Array) -> tuple[np.ndarray, float]:

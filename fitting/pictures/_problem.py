@@ -109,5 +109,14 @@ def look(problem: PictureProblem, free: Float[Array, " p"]) -> tuple[Float[Array
 
 
 @eqx.filter_jit
+def look_once(
+    problem: PictureProblem, free: Float[Array, " p"]
+) -> tuple[Float[Array, " n"], Float[Array, "n p"]]:
+    """The same from one picture, of which all is kept that its derivative needs: less time for more memory."""
+    rows, change = jax.linearize(problem.rows, free)
+    return rows, jax.lax.map(change, jnp.eye(free.size)).T
+
+
+@eqx.filter_jit
 def rows_of(problem: PictureProblem, free: Float[Array, " p"]) -> Float[Array, " n"]:
     return problem.rows(free)

@@ -64,16 +64,17 @@ def made_up(monkeypatch):
     """Fits that find 9, 10, 11, … m/s within a tenth; pictures are even."""
     calls = []
 
-    def fit(
-        photograph, free, image, *, mask, lesson=None, begin=None, report=None, scouted=None, taught=None, **_
-    ):
+    def fit(photograph, free, image, *, mask, lesson, scouts_before, scouted, taught, **more):
+        begin, report = more.get("begin"), more.get("report")
         calls.append({"camera": photograph.scene.camera, "mask": mask, "lesson": lesson, "begin": begin})
+        calls[-1]["before"] = scouts_before
         number = len(calls)
-        if scouted is not None:
-            scouted()
+        if lesson is None:
+            for batch in range(len(scouts_before), 3):
+                scouted(np.full((2, 3), [batch, np.nan, 0.1]))
         plain = learn(np.arange(8.0).reshape(4, 2), np.arange(12.0).reshape(4, 3), (True, True))
         learned = Lesson(plain.summaries, np.array([0.8, 0.5, 0.1]))
-        if taught is not None and lesson is None:
+        if lesson is None:
             taught(learned)
         values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}
         first = 5.0 if begin is None else begin["speed"]
@@ -214,6 +215,17 @@ def test_an_interrupted_fit_goes_on_from_its_last_step(tmp_path, made_up, monkey
     titles = [title for title, _ in shown]
     assert titles == [f"step {number}: {5 + number}.0 m/s" for number in range(4)]
     np.testing.assert_allclose(made_up[1]["lesson"].told, [0.8, 0.5, 0.1])
+
+
+def test_scouts_of_an_interrupted_fit_are_not_drawn_again(tmp_path, made_up):
+    path = save(tmp_path, sea_and_sky())
+    loaded = load("fit_image", [f"image={path}", *SMALL], output=str(tmp_path / "runs"))
+    with pytest.raises(Interrupted, match="what is drawn of the random states"):
+        execute(loaded, progress=Watching(stop_after=2))
+    execute(loaded)
+    assert [len(call["before"]) for call in made_up] == [0, 2]
+    # Pictures that are not finite teach nothing, but count.
+    np.testing.assert_array_equal(made_up[1]["before"][1], np.full((2, 3), [1, np.nan, 0.1]))
 
 
 def noisy(rows, columns):

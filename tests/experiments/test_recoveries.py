@@ -112,14 +112,14 @@ def test_configs_that_make_no_sense_are_refused_before_anything_runs(name, value
 
 def test_starts_are_as_far_off_as_is_asked():
     config = load("picture_recovery", SMALL).config
-    for number in range(4):
+    # Of these some have an ε that could not be a third larger.
+    for number in range(6):
         truth, start, coverage = _recovery_scenes.draw(config, number)
         true, begun = (np.array([float(e) for e in _recovery_scenes.free(s)]) for s in (truth, start))
         assert 0.004 < coverage < 0.06
         off = np.abs(begun - true)
         share = off / np.array([true[0], 1.0, true[2], true[3], true[4], 2.0])
-        # ε is kept below 0.95, where nearly all would be foam.
-        share[3] = np.clip(share[3], 0.3, 0.4) if np.isclose(begun[3], 0.95) else share[3]
+        assert begun[3] <= 0.95 + 1e-6
         assert np.all((share > 0.3 - 1e-5) & (share < 0.4 + 1e-5))
 
 

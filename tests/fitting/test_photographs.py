@@ -237,11 +237,7 @@ def fitted():
     """A fit to a picture of waves that the model does not hold, and what it told on its way."""
     truth = toy(12.0, 0.4)
     image = truth.pictures(truth.noises(1, 77), SIZE)[0]
-    told = {"steps": [], "scouts": 0, "lesson": None}
-
-    def scouted():
-        told["scouts"] += 1
-
+    told = {"steps": [], "scouts": [], "lesson": None}
     found = fit_photograph(
         toy(),
         FREE,
@@ -249,7 +245,7 @@ def fitted():
         scouts=256,
         seas=4,
         report=told["steps"].append,
-        scouted=scouted,
+        scouted=told["scouts"].append,
         taught=lambda lesson: told.update(lesson=lesson),
     )
     return image, found, told
@@ -261,7 +257,7 @@ def test_the_state_is_found_within_its_interval_and_the_way_is_told(fitted):
     assert low < 12.0 < high
     assert found.values["speed"] == pytest.approx(12.0, rel=0.15)
     assert abs(found.values["sun_azimuth"] - 0.4) < 0.6
-    assert told["scouts"] == 8
+    assert [len(each) for each in told["scouts"]] == [32] * 8
     assert told["steps"] == list(found.steps)
     assert found.model.scene.wind.speed == pytest.approx(found.values["speed"])
     assert found.misfit < 2.5
@@ -280,12 +276,32 @@ def test_a_lesson_and_a_beginning_lead_to_the_same_place(fitted):
         seas=4,
         lesson=again,
         begin=found.values,
-        scouted=lambda: scouts.append(1),
+        scouted=scouts.append,
     )
     assert not scouts
     assert found_again.values["speed"] == pytest.approx(found.values["speed"], rel=0.05)
     with pytest.raises(ValueError, match="Argument `begin`"):
         fit_photograph(toy(), FREE, np.asarray(image), lesson=again, begin={"speed": 3.0})
+
+
+def test_scouts_drawn_before_teach_the_same(fitted):
+    image, found, told = fitted
+    drawn, lessons = [], []
+    again = fit_photograph(
+        toy(),
+        FREE,
+        np.asarray(image),
+        scouts=256,
+        seas=4,
+        scouts_before=told["scouts"][:7],
+        scouted=drawn.append,
+        taught=lessons.append,
+    )
+    assert len(drawn) == 1
+    np.testing.assert_allclose(drawn[0], told["scouts"][7], rtol=1e-6)
+    np.testing.assert_allclose(again.guess["speed"], found.guess["speed"], rtol=1e-6)
+    with pytest.raises(ValueError, match="Argument `scouts_before`"):
+        fit_photograph(toy(), FREE, np.asarray(image), scouts=256, scouts_before=[told["scouts"][0][:5]])
 
 
 def test_a_step_can_be_looked_at(fitted):
