@@ -46,11 +46,35 @@ def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, number: in
         line = np.linspace(truth.min(), truth.max(), 50)
         width = most * (np.abs(line) if relative else np.ones_like(line))
         axis.fill_between(line, -width, width, color=_plots.GREY, alpha=0.15, lw=0, label="asked")
-        # Linear as far as is asked; what another valley, or an error without end, leaves far off stays in sight.
-        axis.set_yscale("symlog", linthresh=10 ** float(np.ceil(np.log10(width.max()))))
+        _mark_beyond(axis, truth, off, 1.7 * float(width.max()))
     unit = "" if UNITS[number] == "-" else f" ({UNITS[number]})"
     axis.set(xlabel=f"true {FREE[number]}{unit}", ylabel=f"found − true{unit}")
     axis.set_title(FREE[number].capitalize())
+
+
+def _mark_beyond(axis, truth: np.ndarray, off: np.ndarray, edge: float) -> None:
+    """Limits of the axis, and at them, with its number, what another valley leaves farther off."""
+    axis.set_ylim(-edge, edge)
+    for true, each in zip(truth, off, strict=True):
+        if abs(each) > edge:
+            side = np.sign(each)
+            axis.plot(
+                true,
+                0.93 * side * edge,
+                "^" if side > 0 else "v",
+                ms=6,
+                color=_plots.VERMILION,
+                clip_on=False,
+            )
+            axis.annotate(
+                f"{each:+.2g}",
+                (true, 0.93 * side * edge),
+                xytext=(7, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=9,
+                color=_plots.VERMILION,
+            )
 
 
 def show(store: Files, pictures: Sequence[Sequence[np.ndarray]], recoveries: Sequence) -> None:

@@ -114,8 +114,8 @@ def fit_picture(
       with each of them, to first order, counts as one standard error of its own. Those of `finish` that explain the
       picture less well are in doubt in any case.
     - `scouts`: how many scenes around the start are looked at before the first step, without derivatives: for a start
-      that may lie in another valley than the target. The best of them is gone down from as well as the start, on
-      coarse squares.
+      that may lie in another valley than the target. From the best of them as well as from the start it goes down
+      some steps on coarse squares, and then on from the lower one.
     - `tolerance`: it is done when numbers and residuals change by less than this share, or when three steps together
       lower the cost by less.
     - `most_steps`: for coarse squares, and again for all, after which it gives up.

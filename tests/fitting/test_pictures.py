@@ -8,7 +8,8 @@ import pytest
 
 import fitting
 import jaxocean as jo
-from fitting.pictures import PictureTarget, SceneModel, View, fit_picture, recover_waves
+from fitting.pictures import PictureTarget, SceneModel, View, _descent, fit_picture, recover_waves
+from fitting.pictures._descent import Descent
 from fitting.pictures._sandwich import sandwich
 
 SIZE = (40, 56)
@@ -146,6 +147,29 @@ def test_scouts_begin_nearer_to_the_target(target):
         np.testing.assert_allclose(found.values[name], getattr(TRUTH, name), atol=1e-4)
     with pytest.raises(ValueError, match="scouts"):
         fit_picture(start, free, target, scouts=-1)
+
+
+def test_of_two_ways_down_only_the_lower_one_is_gone_on_with(target, monkeypatch):
+    gone, go = [], Descent.go
+    monkeypatch.setattr(Descent, "go", lambda way, most: gone.append((way, most)) or go(way, most))
+    found = fit_picture(START, free, target, scouts=30)
+    np.testing.assert_allclose(found.values["phase"], 0.3, atol=1e-4)
+    (first, heat), (second, again), (best, most), (fine, _) = gone
+    assert first is not second
+    assert heat == again < most
+    assert best is min(first, second, key=lambda way: way.cost)
+    assert found.steps == tuple(best.steps + fine.steps)
+
+
+def test_large_pictures_are_drawn_once_for_each_derivative_with_the_same_result(target, monkeypatch):
+    small = fit_picture(START, free, target)
+    monkeypatch.setattr(_descent, "LARGE", 0)
+    monkeypatch.setattr(_descent, "look_once", None)
+    large = fit_picture(START, free, target)
+    assert len(large.steps) == len(small.steps)
+    for name in NAMES:
+        np.testing.assert_allclose(large.values[name], small.values[name], rtol=1e-6)
+        np.testing.assert_allclose(large.errors[name], small.errors[name], rtol=1e-3, atol=1e-9)
 
 
 def test_a_threshold_comes_back_from_where_there_is_no_foam():
@@ -328,11 +352,12 @@ def test_waves_are_not_sought_without_pictures_or_scatter():
 
 @pytest.mark.slow
 def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_resolution():
-    rows, columns = 36, 64
-    fine = jax.jit(lambda m: m.picture((2 * rows, 2 * columns), jo.render.Rays()))(scene())
+    rows, columns, each = 36, 64, np.array([0.85, 1.15])
+    truth = scene(choppiness=each)
+    fine = jax.jit(lambda m: m.picture((2 * rows, 2 * columns), jo.render.Rays()))(truth)
     image = np.asarray(fine).reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3))
     # So small a sea has no whitecaps that would tell ε.
-    start = scene(17.0, 0.8, 1.3, 0.65, 3.6)
+    start = scene(17.0, 0.8, 1.35 * each, 0.65, 3.6)
     found = fit_picture(
         start,
         lambda m: (m.wind.speed, m.wind.direction, m.choppiness, m.exposure),
@@ -342,5 +367,6 @@ def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_re
     )
     assert abs(found.values["speed"] / 13.0 - 1) < 0.05
     assert abs(found.values["direction"] - 0.3) < 0.06
-    assert abs(found.values["choppiness"] - 1) < 0.1
+    # Of each pattern its own.
+    np.testing.assert_allclose(found.values["choppiness"], each, atol=0.1)
     assert abs(found.values["exposure"] - 3.0) < 0.1
