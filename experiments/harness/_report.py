@@ -12,6 +12,9 @@ from ._result import Result, Table
 
 WIDTH = 110
 
+WHOLE = 10
+"""Characters of a cell, or of a word above it, that is not broken as long as the table has room."""
+
 NONE = ("undefined", "-")
 """What stands in a column of numbers where there is none."""
 
@@ -29,9 +32,16 @@ def render(result: Result) -> str:
 
 def _table(table: Table) -> RichTable:
     rich = RichTable(box=SIMPLE_HEAD)
+    cells = list(table.cells())
     for position, column in enumerate(table.columns):
         numeric = all(not isinstance(row[position], str) or row[position] in NONE for row in table.rows)
-        rich.add_column(Text(column), justify="right" if numeric else "left", overflow="fold")
-    for row in table.cells():
+        lengths = [max((len(row[position]) for row in cells), default=0), *map(len, column.split())]
+        rich.add_column(
+            Text(column),
+            justify="right" if numeric else "left",
+            overflow="fold",
+            min_width=max((length for length in lengths if length <= WHOLE), default=None),
+        )
+    for row in cells:
         rich.add_row(*(Text(text) for text in row))
     return rich

@@ -7,7 +7,7 @@ from fitting.pictures import PhotographFit
 from .. import schema
 from ..common._markdown import page
 from ..harness._result import Result, Table
-from ._photographs import FREE, UNITS, WIND, Taken
+from ._photographs import FREE, UNITS, WIND, Taken, unsure
 
 FAR = 3.0
 """Standard deviations beyond which a statistic is named."""
@@ -80,6 +80,7 @@ def report(
     setting = (
         f"camera {config.camera.height:g} m above the water{' it floats on' if config.camera.afloat else ''}, pitch "
         f"{float(camera.pitch):.3f} rad, roll {float(camera.roll):.3f} rad, field of view "
-        f"{float(camera.field_of_view):.3f} rad; whitecaps as Monahan 1980 within a factor e^±0.46; seed {config.seed}"
+        f"{float(camera.field_of_view):.3f} rad, {unsure(config.camera)}; "
+        f"whitecaps as Monahan 1980 within a factor e^±0.46; seed {config.seed}"
     )
     return page("The wind from a photograph", words, result.tables, picture="fitted", setting=setting)

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count, takewhile
 from pathlib import Path
 
 import equinox as eqx
@@ -122,6 +123,13 @@ def varied(height_spread: float, view_spread: float) -> Callable:
         return vary(eqx.tree_at(lambda m: m.scene.camera, photograph, camera), key)
 
     return with_camera
+
+
+def unsure(config: schema.PhotographCameraConfig) -> str:
+    """How far the camera is not known, in words."""
+    spreads = (("height", config.height_spread), ("tangent of half the field of view", config.view_spread))
+    parts = [f"{name} known within a factor e^±{spread:g}" for name, spread in spreads if spread]
+    return " and ".join(parts) or "height and field of view taken as given"
 
 
 def start(
@@ -254,8 +262,11 @@ def fit(
     `fit_photograph`.
     """
 
+    before = scouts_before(keep)
+    numbers = count(len(before))
+
     def scouted(statistics: np.ndarray) -> None:
-        _records.append(_scouts(keep), {"statistics": statistics.tolist()})
+        _records.append(_scouts(keep), {"batch": next(numbers), "statistics": statistics.tolist()})
         if advance is not None:
             advance()
 
@@ -275,7 +286,7 @@ def fit(
         most_steps=config.steps,
         seed=seed,
         lesson=read_lesson(keep),
-        scouts_before=scouts_before(keep),
+        scouts_before=before,
         scouted=scouted,
         taught=learned,
         **options,
@@ -283,8 +294,10 @@ def fit(
 
 
 def scouts_before(keep: Path) -> list[np.ndarray]:
-    """Statistics of the scouts that an interrupted run has drawn."""
-    return [np.asarray(each["statistics"], float) for each in _records.read(_scouts(keep))]
+    """Statistics of the scouts that an interrupted run has drawn, batch by batch."""
+    # By number: two runs of the same config may both have kept theirs.
+    found = {each["batch"]: each["statistics"] for each in _records.read(_scouts(keep))}
+    return [np.asarray(found[number], float) for number in takewhile(found.__contains__, count())]
 
 
 def _scouts(keep: Path) -> Path:

@@ -69,7 +69,7 @@ def _medians(values: np.ndarray) -> list[float]:
     return [float(np.median(column)) if column.size else float("nan") for column in values.T]
 
 
-SHORT = ("U10", "direction", "λ", "ε", "sun", "exposure")
+SHORT = ("U10", "azimuth", "λ", "ε", "sun", "light")
 
 
 def _seas(recoveries: Sequence) -> Table:
@@ -77,11 +77,10 @@ def _seas(recoveries: Sequence) -> Table:
         "sea",
         "drawn by",
         "true U10",
-        "coverage",
+        "foam [%]",
         *(f"{name} [{unit}]" for name, unit in zip(SHORT, UNITS, strict=True)),
-        "steps",
         "time [s]",
-        "recovered",
+        "found",
     )
     rows = []
     for each in recoveries:
@@ -89,14 +88,13 @@ def _seas(recoveries: Sequence) -> Table:
         verdict = "no fit" if each.failure else "yes" if np.all(each.inside) else "no"
         # The first of a process holds the compilation.
         seconds = "-" if each.failure or each.compiled else f"{each.seconds:.0f}"
-        about = f"{each.truth[0]:.1f}", f"{each.coverage:.4f}"
+        about = f"{each.truth[0]:.1f}", f"{100 * each.coverage:.1f}"
         rows.append(
             (
                 str(each.number),
                 "rays" if each.rays else "mesh",
                 *about,
                 *off,
-                str(each.steps),
                 seconds,
                 verdict,
             )

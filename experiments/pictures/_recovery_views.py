@@ -18,7 +18,7 @@ DARKEST = 2.0
 
 
 def plot(store: Files, config: schema.PictureRecoveryConfig, recoveries: Sequence) -> None:
-    """`recovered.png`: how far off each number was at the start, and how far it is."""
+    """`recovered.png`: how far off each number is, with its interval."""
     found = [each for each in recoveries if not each.failure]
     with _plots.figure(2, 3, size=(11.0, 6.2)) as (fig, axes):
         for number, axis in enumerate(axes.flat):
@@ -53,7 +53,10 @@ def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, number: in
 
 
 def _mark_beyond(axis, truth: np.ndarray, off: np.ndarray, edge: float) -> None:
-    """Limits of the axis, and at them, with its number, what another valley leaves farther off."""
+    """Limits of the axis, and at them, with its number, what another valley leaves farther off.
+
+    Of an interval that is wider it is enough to see that it is.
+    """
     axis.set_ylim(-edge, edge)
     for true, each in zip(truth, off, strict=True):
         if abs(each) > edge:

@@ -1,6 +1,7 @@
 """`buoy_photographs`: winds from photographs of buoys, beside what the buoys measured and what needs no model."""
 
 import csv
+import re
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,11 +25,11 @@ def run(config: schema.BuoyPhotographsConfig, progress: Reporter, store: Files) 
     winds = _labels(config, folder)
     kept = store.unfinished() / "inferred.jsonl"
     done = {record["file"]: record for record in _records.read(kept)}
-    advance = progress.count("Photographs; each learns for a minute, and the first compiles", len(winds))
+    advance = progress.count("Photographs; each learns for minutes, and the first compiles", len(winds))
     try:
         for file, wind in winds.items():
             if file not in done:
-                done[file] = _infer(config, folder / file, wind, store.unfinished())
+                done[file] = _infer(config, folder, file, wind, store.unfinished())
                 _records.append(kept, done[file])
             advance()
     except KeyboardInterrupt:
@@ -87,24 +88,26 @@ def _taken(config: schema.BuoyPhotographsConfig, path: Path) -> _photographs.Tak
     return _photographs.taken(path, None, config.camera, config.inference.rows, "folder")
 
 
-def _infer(config: schema.BuoyPhotographsConfig, path: Path, true: float, folder: Path) -> dict:
-    name = path.stem.split("_")[0]
+def _infer(
+    config: schema.BuoyPhotographsConfig, folder: Path, file: str, true: float, unfinished: Path
+) -> dict:
+    name = Path(file).stem.split("_")[0]
     try:
-        image = _taken(config, path)
+        image = _taken(config, folder / file)
         fit = _photographs.fit(
             image,
             config.camera,
             config.cascade,
             config.inference,
             config.seed,
-            keep=folder / f"{path.stem}.npz",
+            keep=unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz",
         )
     except (FitError, UserError, ValueError) as problem:
         failed = _winds.Inferred.failed(name, true, problem)
-        return {"file": path.name, "inferred": asdict(failed), "values": {}}
+        return {"file": file, "inferred": asdict(failed), "values": {}}
     foam = _winds.bright_share(image.light, image.camera, None)
     inferred = _winds.Inferred.of(name, true, fit, config.inference.level, foam)
-    return {"file": path.name, "inferred": asdict(inferred), "values": fit.values}
+    return {"file": file, "inferred": asdict(inferred), "values": fit.values}
 
 
 def _show(store: Files, config: schema.BuoyPhotographsConfig, folder: Path, records: list[dict]) -> None:
@@ -137,6 +140,8 @@ def _report(config: schema.BuoyPhotographsConfig, found: list[_winds.Score], res
         f"along the logarithmic profile from {config.anemometer:g} m.",
         "![Photographs, and seas of the states found](pictures.png)",
     ]
-    setting = f"camera {config.camera.height:g} m above the water, 60° from side to side unless said; seed "
-    setting += f"{config.seed}"
+    setting = (
+        f"camera {config.camera.height:g} m above the water, 60° from side to side unless said, "
+        f"{_photographs.unsure(config.camera)}; seed {config.seed}"
+    )
     return page("Winds from photographs of buoys", words, result.tables, picture="winds", setting=setting)

@@ -44,7 +44,10 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
             "command goes on from there."
         ) from None
     except (FitError, ValueError) as problem:
-        raise UserError(f"Key `image`: {problem}") from problem
+        words = str(problem)
+        if words.startswith("Argument `mask`"):
+            raise UserError(words.replace("Argument", "Key", 1)) from problem
+        raise UserError(f"Key `image`: {words}") from problem
     progress.step("Drawing what was found")
     _image_views.plot(store, config, taken, found)
     _image_views.strip(store, taken, _frames(found, _way(store)), found)

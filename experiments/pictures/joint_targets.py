@@ -107,7 +107,9 @@ def _targets(
 
 def _muted(target: fitting.CoveragePoints | fitting.SlopeVariance):
     """The same with so wide a scatter that it says nothing: the program is that of a fit in which it does."""
-    return eqx.tree_at(lambda t: t.scatter.value, target, 1e6 * target.scatter.value)
+    # A double, as it was: in another type it would be another program.
+    with jax.enable_x64(True):
+        return eqx.tree_at(lambda t: t.scatter.value, target, 1e6 * target.scatter.value)
 
 
 def _free(model):

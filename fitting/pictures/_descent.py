@@ -10,11 +10,13 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float, PyTree
 
+from jaxocean.render import Rays
+
 from .._errors import FitError
 from ._problem import PictureProblem, look, look_once, rows_of
 
-LARGE = 250_000
-"""Pixels of a picture of which not all is kept for its derivative: that takes 7 kB each."""
+LARGE = 60_000
+"""Places on the water from which not all is kept for a derivative: that takes some 30 kB each."""
 
 PATIENCE = 3
 """Steps that must together lower the cost by more than the tolerance."""
@@ -66,7 +68,7 @@ class Descent:
 
     - `free`, `rows`, `jacobian`: the lowest point so far, with its residuals and their derivatives; `cost`: half the
       sum of squared residuals there.
-    - `steps`: all that lowered the cost, the start first.
+    - `steps`: all that lowered the cost, the start first; `report`: called with each of them from now on.
     """
 
     def __init__(
@@ -85,9 +87,8 @@ class Descent:
         step; `report`: called with each.
         """
         self._problem, self._tolerance = problem, tolerance
-        self._finest, self._number, self._report = finest, number, report
-        rows, columns = problem.target.size
-        self._derive = look if rows * columns > LARGE else look_once
+        self._finest, self._number, self.report = finest, number, report
+        self._derive = look if _places(problem) > LARGE else look_once
         self._seen = self._derive(problem, start)
         if not all(bool(jnp.all(jnp.isfinite(each))) for each in self._seen):
             raise FitError(
@@ -110,16 +111,13 @@ class Descent:
         self.steps: list[PictureStep] = []
         self._costs: list[float] = []
         self._keep(start)
+        self._choose()
 
     def go(self, most_steps: int) -> bool:
         """Take steps, those that are taken back among them; True if no more are worth it."""
         for _ in range(most_steps):
-            if self._idle():
-                return True
-            known = jax.tree.map(lambda each: self._scale * each, self._seen)
-            self._y, self._state = _solver_step(self._solver, self._y, self._state, known)
-            if bool(self._state.terminate):
-                return True
+            if self._at_rest:
+                break
             rows, jacobian = self._derive(self._problem, self._state.y_eval)
             # A step too far is one that the solver shall take back.
             finite = jnp.all(jnp.isfinite(rows))
@@ -128,7 +126,8 @@ class Descent:
                 jnp.where(finite, jacobian, 0.0),
             )
             self._keep(self._state.y_eval)
-        return self._idle()
+            self._choose()
+        return self._at_rest
 
     def _keep(self, free: Array) -> None:
         """What was seen there, if it is lower than before."""
@@ -140,13 +139,26 @@ class Descent:
         self._costs.append(cost)
         values = self._problem.named(np.asarray(self._problem.constrain(free)))
         self.steps.append(PictureStep(self._number + len(self.steps), 2**self._finest, cost, values))
-        if self._report is not None:
-            self._report(self.steps[-1])
+        if self.report is not None:
+            self.report(self.steps[-1])
 
-    def _idle(self) -> bool:
-        """The derivative of a picture is rough: near the end many steps gain hardly anything."""
+    def _choose(self) -> None:
+        """Where to look next, if anywhere."""
+        known = jax.tree.map(lambda each: self._scale * each, self._seen)
+        self._y, self._state = _solver_step(self._solver, self._y, self._state, known)
+        # The derivative of a picture is rough: near the end many steps gain hardly anything.
         before = self._costs[-1 - PATIENCE] if len(self._costs) > PATIENCE else np.inf
-        return before - self.cost < self._tolerance * self.cost
+        self._at_rest = bool(self._state.terminate) or before - self.cost < self._tolerance * self.cost
+
+
+def _places(problem: PictureProblem) -> float:
+    """How many places on the water a picture looks at."""
+    rows, columns = problem.target.size
+    pixels, method = rows * columns * problem.detail**2, problem.method
+    down, across = method.sides if isinstance(method, Rays) else method.shading_rate
+    if isinstance(method, Rays):
+        return pixels * down * across
+    return pixels / (down * across) + pixels / method.spacing**2
 
 
 def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[Array, Array]:

@@ -221,13 +221,21 @@ def _coarsely(
     report: Callable | None,
 ) -> Descent:
     """The way down on coarse squares from the start, or from the best of some scouts if that is soon lower."""
-    begins = [start, scout(stage, start, scouts)] if scouts else [start]
-    ways = [Descent(stage, each, COARSE_TOLERANCE, finest=finest, report=report) for each in begins]
-    if len(ways) > 1:
-        for each in ways:
-            each.go(HEAT)
+    if not scouts:
+        way = Descent(stage, start, COARSE_TOLERANCE, finest=finest, report=report)
+        way.go(most_steps)
+        return way
+    begins, heat = (start, scout(stage, start, scouts)), min(HEAT, most_steps)
+    ways = [Descent(stage, each, COARSE_TOLERANCE, finest=finest) for each in begins]
+    for each in ways:
+        each.go(heat)
     best = min(ways, key=lambda each: each.cost)
-    best.go(most_steps)
+    # What is told are the steps of the fit, not those of a way that leads nowhere.
+    if report is not None:
+        for step in best.steps:
+            report(step)
+    best.report = report
+    best.go(most_steps - heat)
     return best
 
 
