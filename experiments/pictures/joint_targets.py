@@ -1,7 +1,8 @@
 """`joint_targets`: how a coverage law, slopes and a picture together tell ε from λ."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -10,12 +11,14 @@ import numpy as np
 
 import fitting
 import jaxocean as jo
-from fitting.pictures import PictureFit, PictureTarget, SceneModel, fit_picture
+from fitting.pictures import PictureTarget, SceneModel, fit_picture
 from jaxocean._numerics import with_dtype
 from jaxocean.render import Rays
 
 from .. import schema
 from ..common import _build
+from ..harness import _records
+from ..harness._errors import Interrupted
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
@@ -50,8 +53,28 @@ class Objective:
         return float(self.covariance[0, 1] / np.sqrt(self.covariance[0, 0] * self.covariance[1, 1]))
 
 
+@dataclass(frozen=True)
+class Found:
+    """What is needed of a fit with a picture, as a line of a file can keep it: see `PictureFit`."""
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    covariance: list[list[float]]
+    scatter: float
+    cost: float
+
+
 def run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> Result:
     """Fit all objectives; see `schema.JointTargetsConfig`."""
+    try:
+        return _run(config, progress, store)
+    except KeyboardInterrupt:
+        raise Interrupted(
+            "Interrupted: each finished fit with a picture is kept, and the same command goes on with the others."
+        ) from None
+
+
+def _run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> Result:
     progress.step("Drawing the target")
     truth = _truth(config)
     image = target(truth, (config.height, config.width), config.detail, Rays())
@@ -63,10 +86,11 @@ def run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) -> 
         advance()
     # A process may hold only so many compiled programs, and those of pictures are large.
     jax.clear_caches()
-    alone = _fit(truth, PictureTarget(image), _muted(law) + _muted(slopes), _prior(config))
+    kept = store.unfinished() / "fits.jsonl"
+    alone = _fit(kept, "picture", truth, PictureTarget(image), _muted(law) + _muted(slopes), _prior(config))
     advance()
     weighed = PictureTarget(image, scatter=alone.scatter)
-    objectives.append(_with_picture(config, truth, weighed, law + slopes, advance))
+    objectives.append(_with_picture(config, kept, truth, weighed, law + slopes, advance))
     progress.step("Drawing the figure")
     picture = _objective("picture", alone)
     _joint_views.plot(store, config, objectives, picture)
@@ -112,6 +136,9 @@ def _muted(target: fitting.CoveragePoints | fitting.SlopeVariance):
         return eqx.tree_at(lambda t: t.scatter.value, target, 1e6 * target.scatter.value)
 
 
+NAMES = "threshold", "choppiness", "inverse_wave_age"
+
+
 def _free(model):
     return model.threshold, model.choppiness, model.spectrum.inverse_wave_age
 
@@ -139,39 +166,54 @@ def _without_picture(
 
 
 def _fit(
-    start: SceneModel, image: PictureTarget, beside: fitting.TargetSum, prior: fitting.Normal
-) -> PictureFit:
-    return fit_picture(
+    kept: Path,
+    name: str,
+    start: SceneModel,
+    image: PictureTarget,
+    beside: fitting.TargetSum,
+    prior: fitting.Normal,
+) -> Found:
+    """The fit of that name, from the file if an interrupted run has kept it there."""
+    for record in _records.read(kept):
+        if record["name"] == name:
+            return Found(**record["found"])
+    fit = fit_picture(
         start, _free, image, beside=beside, priors=[prior], finish=FINISHES, detail=FINER, doubts=DOUBTS
     )
+    values, errors = ({key: float(value) for key, value in each.items()} for each in (fit.values, fit.errors))
+    found = Found(values, errors, fit.covariance.tolist(), float(fit.scatter), float(fit.cost))
+    _records.append(kept, {"name": name, "found": asdict(found)})
+    return found
 
 
 def _with_picture(
     config: schema.JointTargetsConfig,
+    kept: Path,
     truth: SceneModel,
     image: PictureTarget,
     beside: fitting.TargetSum,
     advance: Callable[[], None],
 ) -> Objective:
     """All three at once, and again with λ held at values around what was found."""
-    best = _fit(truth, image, beside, _prior(config))
+    best = _fit(kept, "all", truth, image, beside, _prior(config))
     advance()
     spread = best.errors["choppiness"]
     grid = best.values["choppiness"] + REACH * spread * np.linspace(-1, 1, config.points)
     costs, values = [], []
     for value in grid:
-        start = eqx.tree_at(lambda m: m.choppiness, best.model, jnp.asarray(value, jnp.float32))
-        held = _fit(start, image, beside, _prior(config, float(value)))
+        begin = {**best.values, "choppiness": value}
+        start = eqx.tree_at(_free, truth, tuple(jnp.asarray(begin[name], jnp.float32) for name in NAMES))
+        held = _fit(kept, f"held at {value}", start, image, beside, _prior(config, float(value)))
         # What the wide prior would say there.
         off = (value - config.choppiness) / config.prior_deviation
         costs.append(2 * held.cost + off**2)
-        values.append(list(held.values.values()))
+        values.append([held.values[name] for name in NAMES])
         advance()
     excess = np.asarray(costs) - min(2 * best.cost, *costs)
     profile = fitting.Profile(
         "choppiness",
         "-",
-        best.labels,
+        NAMES,
         grid,
         excess,
         np.asarray(values),
@@ -182,6 +224,6 @@ def _with_picture(
     return _objective("law, slopes and picture", best, profile)
 
 
-def _objective(name: str, found: PictureFit, profile: fitting.Profile | None = None) -> Objective:
-    values = np.asarray([found.values["threshold"], found.values["choppiness"]])
-    return Objective(name, values, found.covariance[:2, :2], profile)
+def _objective(name: str, found: Found, profile: fitting.Profile | None = None) -> Objective:
+    values = np.asarray([found.values[name] for name in NAMES[:2]])
+    return Objective(name, values, np.asarray(found.covariance)[:2, :2], profile)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import fitting
 from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
@@ -133,6 +134,36 @@ def test_recoveries_are_told_apart_by_their_bounds():
     np.testing.assert_array_equal(off.holds(0.9), np.zeros(6, bool))
 
 
+def test_joint_targets_go_on_after_an_interruption(tmp_path, monkeypatch):
+    """Each fit is done once, by a process that has forgotten it too."""
+    calls = []
+
+    def fit(start, free, target, *, beside, priors, **_):
+        calls.append(float(priors[0].mean))
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        values = dict(zip(joint_targets.NAMES, map(float, free(start)), strict=True))
+        covariance = np.diag(np.array([0.004, 0.01, 0.02]) ** 2)
+        return PictureFit(values, dict.fromkeys(values, 0.01), (), covariance, 3.0, 1.0, (), 1.0, start)
+
+    monkeypatch.setattr(joint_targets, "fit_picture", fit)
+    monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
+    law = fitting.CoveragePoints([8.0, 12.0], [0.01, 0.02], 0.1)
+    monkeypatch.setattr(joint_targets, "_targets", lambda *_: (law, law))
+    without = joint_targets.Objective("law", np.ones(2), np.eye(2))
+    monkeypatch.setattr(joint_targets, "_without_picture", lambda *_: without)
+    monkeypatch.setattr(joint_targets._joint_views, "plot", lambda *_: None)
+    monkeypatch.setattr(joint_targets._joint_views, "save", lambda *_: None)
+    values = ["height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
+    loaded = load("joint_targets", [*values, "breaking_wavenumber=4.0"], output=str(tmp_path))
+    with pytest.raises(Interrupted, match="each finished fit"):
+        execute(loaded)
+    execute(loaded)
+    # Three were kept, and that at which it was stopped is done again.
+    assert len(calls) == 2 + loaded.config.points + 1
+    assert calls[3] == calls[4]
+
+
 def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tmp_path, monkeypatch):
     seen = []
 
@@ -148,7 +179,13 @@ def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tm
         cost = 7.0 + 0.5 * ((choppiness - 1.0) / 0.01) ** 2
         return PictureFit(values, errors, tuple(values), covariance, 3.0, cost, (), 1.0, start)
 
+    def profile(model, free, targets, *, parameter, grid, priors):
+        del model, free, targets, priors
+        excess, values = ((grid - 1) / 0.4) ** 2, np.ones((len(grid), 3))
+        return fitting.Profile(parameter, "-", joint_targets.NAMES, grid, excess, values, 1.0, None, ())
+
     monkeypatch.setattr(joint_targets, "fit_picture", fit)
+    monkeypatch.setattr(joint_targets.fitting, "profile", profile)
     monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
     values = ["height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
     finished = execute(load("joint_targets", [*values, "breaking_wavenumber=4.0"], output=str(tmp_path)))
