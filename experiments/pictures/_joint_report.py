@@ -16,7 +16,8 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
     """Errors, correlations and intervals of each objective."""
     del config
     every = [*objectives, picture]
-    deviations = [np.sqrt(np.diag(each.covariance)) for each in every]
+    deviations = [np.sqrt(np.diag(each.told)) for each in every]
+    doubted = [np.sqrt(np.diag(each.covariance)) for each in every]
     intervals = [_interval(each.profile) for each in every]
     rows = [
         (
@@ -26,15 +27,26 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
             float(each.values[1]),
             float(own[1]),
             f"{each.correlation:+.3f}",
+            "-" if each.doubted is None else f"{whole[0]:.3f}, {whole[1]:.3f}",
             words,
         )
-        for each, own, words in zip(every, deviations, intervals, strict=True)
+        for each, own, whole, words in zip(every, deviations, doubted, intervals, strict=True)
     ]
-    columns = ("objective", "ε", "± ε", "λ", "± λ", "correlation", f"{100 * LEVEL:g} % profile interval of λ")
+    columns = (
+        "objective",
+        "ε",
+        "± ε",
+        "λ",
+        "± λ",
+        "correlation",
+        "± ε and λ with renderers in doubt",
+        f"{100 * LEVEL:g} % profile interval of λ",
+    )
     values = {
         "objectives": [each.name for each in every],
         "values": [each.values for each in every],
         "errors": deviations,
+        "errors_with_renderers_in_doubt": doubted,
         "correlations": [each.correlation for each in every],
         "picture_scatter": scatter,
     }
@@ -60,8 +72,9 @@ def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, res
         f"which tell the spectrum, it is {slopes.correlation:+.2f} and ± {errors[slopes.name][1]:.2g}; with one "
         f"picture as well **{joint.correlation:+.2f} and ± {errors[joint.name][1]:.2g}**.",
         f"The picture alone has {picture.correlation:+.2f} and ± {errors[picture.name][1]:.2g}. It weighs what parts "
-        "of the image say when each errs by itself; errors also hold how far the numbers would move if it were drawn "
-        "by the other method, or with a single look at each pixel.",
+        "of the image say when each errs by itself. That is what the picture tells if the renderer is right; how far ε "
+        "and λ would move if it were drawn by the other method, or with a single look at each pixel, is in the table, "
+        "and dotted in the figure.",
     ]
     setting = (
         f"truth U10 = {config.wind.speed:g} m/s, ε = {config.threshold:g}, λ = {config.choppiness:g}, "

@@ -19,11 +19,15 @@ def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, 
     with _plots.figure(1, 2, size=(11.0, 4.6)) as (fig, axes):
         for each, colour in zip(objectives, colours, strict=True):
             label = f"{each.name} (correlation {each.correlation:+.2f})"
-            axes[0].plot(*_ellipse(each), color=colour, label=label)
+            axes[0].plot(*_ellipse(each, each.told), color=colour, label=label)
+            if each.doubted is not None:
+                axes[0].plot(
+                    *_ellipse(each, each.covariance), color=colour, ls=":", label="with renderers in doubt"
+                )
             root = np.sqrt(np.maximum(each.profile.excess, 0))
             axes[1].plot(each.profile.grid, root, marker=".", color=colour, label=each.name)
         label = f"picture alone (correlation {picture.correlation:+.2f})"
-        axes[0].plot(*_ellipse(picture), color=_plots.GREEN, linestyle="--", label=label)
+        axes[0].plot(*_ellipse(picture, picture.told), color=_plots.GREEN, linestyle="--", label=label)
         axes[0].plot(config.choppiness, config.threshold, "+", color=_plots.BLACK, ms=10, label="truth")
         axes[0].set(
             xlabel="choppiness λ (-)", ylabel="threshold ε (-)", title=f"{100 * LEVEL:g} % regions of ε and λ"
@@ -41,12 +45,12 @@ def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, 
         store.picture("joint", fig)
 
 
-def _ellipse(each) -> np.ndarray:
+def _ellipse(each, covariance: np.ndarray) -> np.ndarray:
     """Where a Gaussian of this covariance has its contour, λ and ε."""
     angle = np.linspace(0, 2 * np.pi, 200)
     # The quantile of χ² with two degrees of freedom.
     radius = np.sqrt(-2 * np.log(1 - LEVEL))
-    values, vectors = np.linalg.eigh(each.covariance)
+    values, vectors = np.linalg.eigh(covariance)
     circle = np.stack([np.cos(angle), np.sin(angle)])
     threshold, choppiness = each.values[:, None] + radius * vectors @ (
         np.sqrt(np.maximum(values, 0))[:, None] * circle

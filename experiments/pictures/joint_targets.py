@@ -25,6 +25,9 @@ from ..harness._result import Result
 from . import _joint_report, _joint_views, _scene
 from ._recovery_scenes import DOUBTS, FINER, FINISHES, target
 
+ROUNDS = 2
+"""Of the steps with derivatives by differences."""
+
 HELD = 1e-5
 """Deviation of a prior that holds λ where it is: the same program as with one that does not."""
 
@@ -39,18 +42,25 @@ WIDEST = (0.2, 2.5)
 class Objective:
     """What some targets say of (ε, λ).
 
-    **Arguments:** `name`; `values`, `covariance` of both; `profile` of λ, where there is one.
+    **Arguments:** `name`; `values`, `covariance` of both; `profile` of λ, where there is one; `doubted`: the part of
+    the covariance that is from other renderers in doubt.
     """
 
     name: str
     values: np.ndarray
     covariance: np.ndarray
     profile: fitting.Profile | None = None
+    doubted: np.ndarray | None = None
+
+    @property
+    def told(self) -> np.ndarray:
+        """The covariance by what targets tell, if the renderer is right."""
+        return self.covariance if self.doubted is None else self.covariance - self.doubted
 
     @property
     def correlation(self) -> float:
-        """Of the errors of ε and λ."""
-        return float(self.covariance[0, 1] / np.sqrt(self.covariance[0, 0] * self.covariance[1, 1]))
+        """Of the errors of ε and λ, if the renderer is right."""
+        return float(self.told[0, 1] / np.sqrt(self.told[0, 0] * self.told[1, 1]))
 
 
 @dataclass(frozen=True)
@@ -60,6 +70,7 @@ class Found:
     values: dict[str, float]
     errors: dict[str, float]
     covariance: list[list[float]]
+    doubted: list[list[float]]
     scatter: float
     cost: float
 
@@ -178,10 +189,21 @@ def _fit(
         if record["name"] == name:
             return Found(**record["found"])
     fit = fit_picture(
-        start, _free, image, beside=beside, priors=[prior], finish=FINISHES, detail=FINER, doubts=DOUBTS
+        start,
+        _free,
+        image,
+        beside=beside,
+        priors=[prior],
+        finish=FINISHES,
+        detail=FINER,
+        # ε, λ and the age of the sea together leave a valley.
+        refine=ROUNDS,
+        doubts=DOUBTS,
     )
     values, errors = ({key: float(value) for key, value in each.items()} for each in (fit.values, fit.errors))
-    found = Found(values, errors, fit.covariance.tolist(), float(fit.scatter), float(fit.cost))
+    found = Found(
+        values, errors, fit.covariance.tolist(), fit.doubted.tolist(), float(fit.scatter), float(fit.cost)
+    )
     _records.append(kept, {"name": name, "found": asdict(found)})
     return found
 
@@ -197,7 +219,7 @@ def _with_picture(
     """All three at once, and again with λ held at values around what was found."""
     best = _fit(kept, "all", truth, image, beside, _prior(config))
     advance()
-    spread = best.errors["choppiness"]
+    spread = float(np.sqrt(best.covariance[1][1] - best.doubted[1][1]))
     grid = best.values["choppiness"] + REACH * spread * np.linspace(-1, 1, config.points)
     costs, values = [], []
     for value in grid:
@@ -226,4 +248,5 @@ def _with_picture(
 
 def _objective(name: str, found: Found, profile: fitting.Profile | None = None) -> Objective:
     values = np.asarray([found.values[name] for name in NAMES[:2]])
-    return Objective(name, values, np.asarray(found.covariance)[:2, :2], profile)
+    covariance, doubted = (np.asarray(each)[:2, :2] for each in (found.covariance, found.doubted))
+    return Objective(name, values, covariance, profile, doubted)

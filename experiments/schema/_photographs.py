@@ -68,7 +68,7 @@ class InferenceConfig(Section):
 
     rows: int = key(90, unit="px", meaning="to which the image is reduced", ge=48, le=512)
     scouts: int = key(640, meaning="random states whose pictures teach what statistics tell", ge=100, le=5000)
-    seas: int = key(4, meaning="seas whose pictures make a derivative", ge=1, le=32)
+    seas: int = key(16, meaning="seas whose pictures make a derivative", ge=1, le=32)
     steps: int = key(2, meaning="of the way down, at most", ge=1, le=100)
     level: float = key(0.9, unit="-", meaning="probability of the intervals", gt=0, lt=1)
     median_wind: float = key(8.5, unit="m/s", meaning="median of the prior of U10", gt=0, le=60)

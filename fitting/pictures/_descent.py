@@ -29,6 +29,10 @@ FINISHED = 1e-4
 a factor each."""
 
 
+DIFFERENCE = 2e-3
+"""Of a free number, over which pictures are held against each other: wide enough that crests move across pixels."""
+
+
 @dataclass(frozen=True)
 class PictureStep:
     """One step of a fit.
@@ -157,7 +161,7 @@ def _places(problem: PictureProblem) -> float:
     pixels, method = rows * columns * problem.detail**2, problem.method
     down, across = method.sides if isinstance(method, Rays) else method.shading_rate
     if isinstance(method, Rays):
-        return pixels * down * across
+        return float(pixels * down * across)
     return pixels / (down * across) + pixels / method.spacing**2
 
 
@@ -172,6 +176,25 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
             break
         free, rows = ahead, there
         if gain < FINISHED:
+            break
+    return free, rows
+
+
+def refine(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array]:
+    """Gauss–Newton steps with derivatives by differences of the method's own pictures."""
+    steps = DIFFERENCE * jnp.eye(free.size)
+    sides = [[rows_of(problem, free + side * step) for side in (1, -1)] for step in steps]
+    jacobian = jnp.stack([(ahead - behind) / (2 * DIFFERENCE) for ahead, behind in sides], axis=1)
+    for _ in range(FINISHES):
+        step = -jnp.linalg.lstsq(jacobian, rows)[0]
+        gain = 0.0
+        for share in (1.0, 0.5, 0.25):
+            there = rows_of(problem, free + share * step)
+            gain = 1 - float(jnp.sum(there**2) / jnp.sum(rows**2))
+            if gain > 0:
+                free, rows = free + share * step, there
+                break
+        if not gain > FINISHED:
             break
     return free, rows
 

@@ -43,8 +43,9 @@ ROUGH = Raster(2.0), 2
 SCOUTS = 100_000
 """Between the seeds of scouts and of what is compared."""
 
-GAIN = 0.05
-"""Least gain in half a χ² that is worth a step."""
+GAIN = 0.5
+"""Least gain in half a χ² that is worth a step: that of one number which moves by one standard error. What a regression
+says is a mean over what is possible; steps that gain less only add the roughness of derivatives to it."""
 
 LONGEST = 0.7
 """Longest step of a free number, on the real line of its bounds."""
@@ -127,7 +128,7 @@ def fit_photograph(
     derivatives: Raster | Rays | None = None,
     detail: int = 1,
     scouts: int = 640,
-    seas: int = 4,
+    seas: int = 16,
     lesson: Lesson | None = None,
     begin: Mapping[str, float] | None = None,
     most_steps: int = 2,
@@ -323,14 +324,14 @@ def _descend(
             )
         cost = 0.5 * float(np.sum(rows**2))
         gained = np.inf if best is None else best.cost - cost
-        if gained > 0:
+        if gained >= GAIN:
             best, vain = _End(cost, free, drawn, rows, jacobian, count), 0
             values = problem.named(np.asarray(problem.constrain(free)))
             steps.append(PictureStep(len(steps), 1, cost, values))
             if report is not None:
                 report(steps[-1])
             step = np.clip(-np.linalg.lstsq(jacobian, rows)[0], -LONGEST, LONGEST)
-            if min(gained, cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2))) < GAIN:
+            if cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2)) < GAIN:
                 break
         else:
             vain += 1

@@ -20,6 +20,7 @@ from .._parameters import Parameter, Slot, attach_priors, resolve
 from .._priors import AbstractPrior
 from .._target import AbstractTarget, KnownScatter, TargetSum, flatten_targets
 from ._descent import Descent, PictureStep, finish_with, shift
+from ._descent import refine as refined
 from ._picture_target import PictureTarget
 from ._problem import PictureProblem
 from ._sandwich import TILES, sandwich
@@ -48,6 +49,7 @@ class PictureFit:
     - `values`, `errors`: of the free leaves by name. Errors come from how the residuals of `TILES`² parts of the image
       pull, so that neighbouring pixels may err together, and from other methods that are in doubt.
     - `labels`: a name for each free number, the order of `covariance`.
+    - `doubted`: the part of `covariance` that comes from methods in doubt.
     - `scatter` [-]: with this as the target's `scatter` the picture's residuals, taken as independent, have errors as
       large as these in the (geometric) mean.
     - `cost`: half the sum of squared residuals at the solution; `steps`: all that were accepted, the start first.
@@ -58,6 +60,7 @@ class PictureFit:
     errors: dict[str, float | Float[np.ndarray, "..."]]
     labels: tuple[str, ...]
     covariance: Float[np.ndarray, "p p"]
+    doubted: Float[np.ndarray, "p p"]
     scatter: float
     cost: float
     steps: tuple[PictureStep, ...]
@@ -81,6 +84,7 @@ def fit_picture(
     method: Raster | Rays | None = None,
     finish: Raster | Rays | Sequence[Raster | Rays] = (),
     detail: int = 1,
+    refine: int = 0,
     doubts: Sequence[Raster | Rays] = (),
     scouts: int = 0,
     tolerance: float = 2e-3,
@@ -110,6 +114,9 @@ def fit_picture(
       numbers. Of several the one counts that explains the picture best.
     - `detail`: pictures of `finish` are drawn with so many times the rows and columns and averaged, as a camera's are;
       above 1 the model answers `picture(size, method, detail)`.
+    - `refine`: how many rounds of such steps follow with derivatives by differences of the method that finishes, two
+      pictures for each free number and round: where numbers are told apart so badly that the other's derivatives lead
+      along a valley instead of down to its bottom.
     - `doubts`: other methods, without that detail, whose pictures might be as right: how far the numbers would move
       with each of them, to first order, counts as one standard error of its own. Those of `finish` that explain the
       picture less well are in doubt in any case.
@@ -138,6 +145,10 @@ def fit_picture(
         raise ValueError(f"Argument `most_steps` must be at least 1, but is {most_steps}.")
     if scouts < 0:
         raise ValueError(f"Argument `scouts` must be at least 0, but is {scouts}.")
+    if refine < 0 or (refine and not finish):
+        raise ValueError(
+            f"Argument `refine` must be at least 0, and 0 without a method in `finish`, but is {refine}."
+        )
     if detail < 1:
         raise ValueError(f"Argument `detail` must be at least 1, but is {detail}.")
     finishes = [finish] if isinstance(finish, Raster | Rays) else list(finish)
@@ -192,18 +203,23 @@ def fit_picture(
             best = int(np.argmin(costs))
             problem, (free_values, rows) = ways[best], ends[best]
             unsure += ways[:best] + ways[best + 1 :]
+            for _ in range(refine):
+                free_values, rows = refined(problem, free_values, rows)
         values = np.asarray(problem.constrain(free_values))
         stretch = problem.stretch(free_values)
         covariance, scatter = _covariance(problem, rows, jacobian / stretch)
+        doubted = np.zeros_like(covariance)
         for other in unsure:
             moved = np.asarray(stretch * shift(other, free_values, rows, jacobian))
-            covariance = covariance + np.outer(moved, moved)
+            doubted = doubted + np.outer(moved, moved)
+        covariance = covariance + doubted
     errors = np.sqrt(np.diag(covariance))
     return PictureFit(
         problem.named(values),
         problem.named(errors),
         tuple(label for slot in problem.slots for label in slot.labels(())),
         covariance,
+        doubted,
         scatter,
         0.5 * float(np.sum(np.square(rows))),
         tuple(steps),

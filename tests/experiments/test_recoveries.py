@@ -52,7 +52,7 @@ def made_up(monkeypatch):
         values = {str(i): float(each) for i, each in enumerate(free(start))}
         covariance = np.diag(ERRORS**2)
         errors = dict(zip(values, ERRORS, strict=True))
-        return PictureFit(values, errors, tuple(values), covariance, 1.0, 0.5, (), 2.0, start)
+        return PictureFit(values, errors, tuple(values), covariance, 0 * covariance, 1.0, 0.5, (), 2.0, start)
 
     def draw(config, number):
         truth, _, coverage = whole(config, number)
@@ -144,7 +144,8 @@ def test_joint_targets_go_on_after_an_interruption(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         values = dict(zip(joint_targets.NAMES, map(float, free(start)), strict=True))
         covariance = np.diag(np.array([0.004, 0.01, 0.02]) ** 2)
-        return PictureFit(values, dict.fromkeys(values, 0.01), (), covariance, 3.0, 1.0, (), 1.0, start)
+        errors, doubted = dict.fromkeys(values, 0.01), 0.5 * covariance
+        return PictureFit(values, errors, (), covariance, doubted, 3.0, 1.0, (), 1.0, start)
 
     monkeypatch.setattr(joint_targets, "fit_picture", fit)
     monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
@@ -177,7 +178,9 @@ def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tm
         values = {"threshold": threshold, "choppiness": choppiness, "inverse_wave_age": age}
         errors = dict(zip(values, np.sqrt(np.diag(covariance)), strict=True))
         cost = 7.0 + 0.5 * ((choppiness - 1.0) / 0.01) ** 2
-        return PictureFit(values, errors, tuple(values), covariance, 3.0, cost, (), 1.0, start)
+        # Half of the variances is doubt.
+        doubted = 0.5 * covariance
+        return PictureFit(values, errors, tuple(values), covariance, doubted, 3.0, cost, (), 1.0, start)
 
     def profile(model, free, targets, *, parameter, grid, priors):
         del model, free, targets, priors

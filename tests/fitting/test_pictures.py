@@ -111,6 +111,35 @@ def test_a_more_exact_method_at_the_end_takes_out_what_the_quick_one_gets_wrong(
     assert exact.cost < 1e-3 * quick.cost
 
 
+def unexplained(size):
+    return jnp.sin(0.11 * jnp.arange(size[1], dtype=float))[:, None]
+
+
+class Astray(Stripes):
+    """A mesh sees more in λ than there is."""
+
+    def picture(self, size, method):
+        more = 0.0 if isinstance(method, jo.render.Rays) else 0.3 * (self.choppiness - 0.8)
+        return super().picture(size, method) * jnp.exp(more * unexplained(size))
+
+
+def test_derivatives_by_differences_find_the_bottom_where_those_of_another_method_lead_beside_it():
+    rays = jo.render.Rays()
+    # What no number explains pulls at wrong derivatives otherwise than at right ones.
+    image = Stripes().picture(SIZE, rays) * jnp.exp(0.2 * unexplained(SIZE))
+    target, start = PictureTarget(image), Astray(0.5, 0.4, 0.9, 0.8)
+    best = fit_picture(start, free, target, method=rays, tolerance=1e-5)
+    beside = fit_picture(start, free, target, finish=rays)
+    found = fit_picture(start, free, target, finish=rays, refine=2)
+    off, left = (
+        max(abs(each.values[name] - best.values[name]) for name in NAMES) for each in (beside, found)
+    )
+    assert left < 1e-3 < off
+    assert best.cost <= found.cost * (1 + 1e-6) < beside.cost
+    with pytest.raises(ValueError, match="Argument `refine`"):
+        fit_picture(start, free, target, refine=1)
+
+
 def test_what_another_method_would_change_counts_as_an_error():
     truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
     target = PictureTarget(truth.picture(SIZE, jo.render.Rays()))
