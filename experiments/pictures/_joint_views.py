@@ -14,35 +14,62 @@ LEVEL = 0.9
 
 
 def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, picture) -> None:
-    """`joint.png`: where ε and λ may lie, and the profile of λ, for each objective."""
+    """`joint.png`: where ε and λ may lie, and the profile of λ, for each objective; what a picture leaves, enlarged."""
     colours = _plots.ORANGE, _plots.BLUE, _plots.VERMILION
-    with _plots.figure(1, 2, size=(11.0, 4.6)) as (fig, axes):
-        for each, colour in zip(objectives, colours, strict=True):
-            label = f"{each.name} (correlation {each.correlation:+.2f})"
-            axes[0].plot(*_ellipse(each, each.told), color=colour, label=label)
-            if each.doubted is not None:
-                axes[0].plot(
-                    *_ellipse(each, each.covariance), color=colour, ls=":", label="with renderers in doubt"
-                )
-            root = np.sqrt(np.maximum(each.profile.excess, 0))
-            axes[1].plot(each.profile.grid, root, marker=".", color=colour, label=each.name)
-        label = f"picture alone (correlation {picture.correlation:+.2f})"
-        axes[0].plot(*_ellipse(picture, picture.told), color=_plots.GREEN, linestyle="--", label=label)
-        axes[0].plot(config.choppiness, config.threshold, "+", color=_plots.BLACK, ms=10, label="truth")
+    with _plots.figure(1, 2, size=(11.0, 4.8)) as (fig, axes):
+        near = axes[0].inset_axes((0.09, 0.1, 0.36, 0.36)), axes[1].inset_axes((0.42, 0.55, 0.3, 0.38))
+        for region, profile in (axes, near):
+            for each, colour in zip(objectives, colours, strict=True):
+                label = f"{each.name} (correlation {each.correlation:+.2f})"
+                region.plot(*_ellipse(each, each.told), color=colour, label=label)
+                root = np.sqrt(np.maximum(each.profile.excess, 0))
+                profile.plot(each.profile.grid, root, marker=".", color=colour, label=each.name)
+            label = f"picture alone (correlation {picture.correlation:+.2f})"
+            region.plot(*_ellipse(picture, picture.told), color=_plots.GREEN, ls="--", label=label)
+            joint = objectives[-1]
+            region.plot(
+                *_ellipse(joint, joint.covariance),
+                color=_plots.VERMILION,
+                ls=":",
+                label="with renderers in doubt",
+            )
+            region.plot(config.choppiness, config.threshold, "+", color=_plots.BLACK, ms=10, label="truth")
+            limit = float(np.sqrt(fitting.profile_limit(LEVEL)))
+            profile.axhline(limit, color=_plots.GREY, linestyle=":", label=f"{100 * LEVEL:g} % interval")
         axes[0].set(
             xlabel="choppiness λ (-)", ylabel="threshold ε (-)", title=f"{100 * LEVEL:g} % regions of ε and λ"
         )
-        axes[0].legend(loc="best")
-        limit = float(np.sqrt(fitting.profile_limit(LEVEL)))
-        axes[1].axhline(limit, color=_plots.GREY, linestyle=":", label=f"{100 * LEVEL:g} % interval")
+        axes[0].legend(loc="upper right")
         axes[1].set(
             xlabel="choppiness λ (-)",
             ylabel="√(twice the cost above its least) (-)",
             title="Profile of λ",
             ylim=(0, 4.2),
         )
-        axes[1].legend(loc="best")
+        axes[1].legend(loc="lower right")
+        _enlarge(near, objectives[-1], picture, config)
+        axes[0].indicate_inset_zoom(near[0])
         store.picture("joint", fig)
+
+
+def _enlarge(near, joint, picture, config: schema.JointTargetsConfig) -> None:
+    """Limits around what a picture leaves."""
+    shown = np.concatenate(
+        [
+            _ellipse(joint, joint.told),
+            _ellipse(picture, picture.told),
+            [[config.choppiness], [config.threshold]],
+        ],
+        axis=1,
+    )
+    low, high = shown.min(axis=1), shown.max(axis=1)
+    room = 0.15 * (high - low)
+    near[0].set(xlim=(low[0] - room[0], high[0] + room[0]), ylim=(low[1] - room[1], high[1] + room[1]))
+    grid = joint.profile.grid
+    near[1].set(xlim=(grid[0], grid[-1]), ylim=(0, 4.2))
+    for axis in near:
+        axis.tick_params(labelsize=7)
+        axis.locator_params(nbins=4)
 
 
 def _ellipse(each, covariance: np.ndarray) -> np.ndarray:
