@@ -396,6 +396,6 @@ def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_re
     )
     assert abs(found.values["speed"] / 13.0 - 1) < 0.05
     assert abs(found.values["direction"] - 0.3) < 0.06
-    # Of each pattern its own.
-    np.testing.assert_allclose(found.values["choppiness"], each, atol=0.1)
+    # Of each pattern its own; a mesh alone finds waves a little too choppy or too smooth.
+    np.testing.assert_allclose(found.values["choppiness"], each, rtol=0.15)
     assert abs(found.values["exposure"] - 3.0) < 0.1
