@@ -25,7 +25,7 @@ from ..harness._result import Result
 from . import _joint_report, _joint_views, _scene
 from ._recovery_scenes import DOUBTS, FINER, FINISHES, target
 
-ROUNDS = 2
+ROUNDS = 1
 """Of the steps with derivatives by differences."""
 
 HELD = 1e-5
@@ -194,9 +194,10 @@ def _fit(
         image,
         beside=beside,
         priors=[prior],
+        # ε, λ and the age of the sea together leave a valley: along it a mesh leads away, and a long way back.
+        method=Rays(),
         finish=FINISHES,
         detail=FINER,
-        # ε, λ and the age of the sea together leave a valley.
         refine=ROUNDS,
         doubts=DOUBTS,
     )
