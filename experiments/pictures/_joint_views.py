@@ -65,8 +65,8 @@ def _enlarge(near, joint, picture, config: schema.JointTargetsConfig) -> None:
     low, high = shown.min(axis=1), shown.max(axis=1)
     room = 0.15 * (high - low)
     near[0].set(xlim=(low[0] - room[0], high[0] + room[0]), ylim=(low[1] - room[1], high[1] + room[1]))
-    grid = joint.profile.grid
-    near[1].set(xlim=(grid[0], grid[-1]), ylim=(0, 4.2))
+    grid, highest = joint.profile.grid, np.sqrt(max(np.nanmax(joint.profile.excess), 1.0))
+    near[1].set(xlim=(grid[0], grid[-1]), ylim=(0, 1.05 * highest))
     for axis in near:
         axis.tick_params(labelsize=7)
         axis.locator_params(nbins=4)

@@ -34,6 +34,9 @@ HELD = 1e-5
 REACH = 4.0
 """How far profiles go to either side [standard errors]."""
 
+DOUBTED = 2.0
+"""The same with a picture, of errors that count what renderers differ in."""
+
 WIDEST = (0.2, 2.5)
 """Between which λ the profiles without a picture go."""
 
@@ -220,8 +223,9 @@ def _with_picture(
     """All three at once, and again with λ held at values around what was found."""
     best = _fit(kept, "all", truth, image, beside, _prior(config))
     advance()
-    spread = float(np.sqrt(best.covariance[1][1] - best.doubted[1][1]))
-    grid = best.values["choppiness"] + REACH * spread * np.linspace(-1, 1, config.points)
+    # Closer by, the cost is as rough as pictures are where crests move across pixels.
+    reach = DOUBTED * best.errors["choppiness"]
+    grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points)
     costs, values = [], []
     for value in grid:
         begin = {**best.values, "choppiness": value}
