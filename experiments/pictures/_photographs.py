@@ -245,10 +245,7 @@ def _reduced(planes: np.ndarray, rows: int, columns: int) -> np.ndarray:
 
 def fit(
     image: Taken,
-    camera: schema.PhotographCameraConfig,
-    patterns: schema.CascadeConfig,
-    config: schema.InferenceConfig,
-    seed: int,
+    config: schema.FitImageConfig | schema.UnknownSeasConfig | schema.BuoyPhotographsConfig,
     *,
     keep: Path,
     advance: Callable[[], None] | None = None,
@@ -275,16 +272,17 @@ def fit(
         if taught is not None:
             taught()
 
+    inference = config.inference
     return fit_photograph(
-        start(image.camera, camera, patterns, seed),
-        free(config),
+        start(image.camera, config.camera, config.cascade, config.seed),
+        free(inference),
         image.light,
         mask=image.mask,
-        vary=varied(camera.height_spread, camera.view_spread),
-        scouts=config.scouts,
-        seas=config.seas,
-        most_steps=config.steps,
-        seed=seed,
+        vary=varied(config.camera.height_spread, config.camera.view_spread),
+        scouts=inference.scouts,
+        seas=inference.seas,
+        most_steps=inference.steps,
+        seed=config.seed,
         lesson=read_lesson(keep),
         scouts_before=before,
         scouted=scouted,

@@ -94,14 +94,8 @@ def _infer(
     name = Path(file).stem.split("_")[0]
     try:
         image = _taken(config, folder / file)
-        fit = _photographs.fit(
-            image,
-            config.camera,
-            config.cascade,
-            config.inference,
-            config.seed,
-            keep=unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz",
-        )
+        learned = unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz"
+        fit = _photographs.fit(image, config, keep=learned)
     except (FitError, UserError, ValueError) as problem:
         failed = _winds.Inferred.failed(name, true, problem)
         return {"file": file, "inferred": asdict(failed), "values": {}}

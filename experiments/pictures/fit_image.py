@@ -94,10 +94,7 @@ def _fitted(
 
     return _photographs.fit(
         taken,
-        config.camera,
-        config.cascade,
-        config.inference,
-        config.seed,
+        config,
         keep=learned,
         advance=advance,
         taught=lambda: progress.step("Going down; the first step compiles, for a minute or two"),

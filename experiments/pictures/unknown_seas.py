@@ -68,14 +68,7 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned: Path) -> dict
     image, true = _taken(config, state), float(state.scene.wind.speed)
     foam = _winds.bright_share(image.light, image.camera, None)
     try:
-        fit = _photographs.fit(
-            image,
-            config.camera,
-            config.cascade,
-            config.inference,
-            config.seed,
-            keep=learned,
-        )
+        fit = _photographs.fit(image, config, keep=learned)
     except (FitError, ValueError) as problem:
         failed = _winds.Inferred.failed(str(number), true, problem, foam)
         return {"number": number, "inferred": asdict(failed), "values": {}}

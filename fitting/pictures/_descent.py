@@ -28,7 +28,6 @@ FINISHED = 1e-4
 """Share of the cost below which another one gains nothing: with derivatives of another method they only come closer by
 a factor each."""
 
-
 DIFFERENCE = 2e-3
 """Of a free number, over which pictures are held against each other: wide enough that crests move across pixels."""
 
@@ -159,10 +158,9 @@ def _places(problem: PictureProblem) -> float:
     """How many places on the water a picture looks at."""
     rows, columns = problem.target.size
     pixels, method = rows * columns * problem.detail**2, problem.method
-    down, across = method.sides if isinstance(method, Rays) else method.shading_rate
     if isinstance(method, Rays):
-        return float(pixels * down * across)
-    return pixels / (down * across) + pixels / method.spacing**2
+        return float(pixels * np.prod(method.sides))
+    return float(pixels / np.prod(method.shading_rate) + pixels / method.spacing**2)
 
 
 def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[Array, Array]:

@@ -381,12 +381,11 @@ def test_waves_are_not_sought_without_pictures_or_scatter():
 
 @pytest.mark.slow
 def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_resolution():
-    rows, columns, each = 36, 64, np.array([0.85, 1.15])
-    truth = scene(choppiness=each)
-    fine = jax.jit(lambda m: m.picture((2 * rows, 2 * columns), jo.render.Rays()))(truth)
+    rows, columns = 36, 64
+    fine = jax.jit(lambda m: m.picture((2 * rows, 2 * columns), jo.render.Rays()))(scene())
     image = np.asarray(fine).reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3))
     # So small a sea has no whitecaps that would tell ε.
-    start = scene(17.0, 0.8, 1.35 * each, 0.65, 3.6)
+    start = scene(17.0, 0.8, 1.3, 0.65, 3.6)
     found = fit_picture(
         start,
         lambda m: (m.wind.speed, m.wind.direction, m.choppiness, m.exposure),
@@ -396,6 +395,5 @@ def test_a_sea_is_found_again_in_a_picture_by_the_other_renderer_at_twice_the_re
     )
     assert abs(found.values["speed"] / 13.0 - 1) < 0.05
     assert abs(found.values["direction"] - 0.3) < 0.06
-    # Of each pattern its own; a mesh alone finds waves a little too choppy or too smooth.
-    np.testing.assert_allclose(found.values["choppiness"], each, rtol=0.15)
+    assert abs(found.values["choppiness"] - 1) < 0.1
     assert abs(found.values["exposure"] - 3.0) < 0.1
