@@ -7,7 +7,8 @@ from fitting.pictures import PhotographFit
 from .. import schema
 from ..common._markdown import page
 from ..harness._result import Result, Table
-from ._photographs import FREE, UNITS, WIND, Taken, unsure
+from ._photographs import FREE, UNITS, WIND, unsure
+from ._taken import Taken
 
 FAR = 3.0
 """Standard deviations beyond which a statistic is named."""

@@ -11,7 +11,8 @@ from .. import schema
 from ..common import _plots
 from ..harness._files import Files, variable
 from . import _scene
-from ._photographs import FREE, UNITS, WIND, Taken, drawn
+from ._photographs import FREE, UNITS, WIND, drawn
+from ._taken import Taken
 
 
 def plot(store: Files, config: schema.FitImageConfig, taken: Taken, found: PhotographFit) -> None:

@@ -1,8 +1,7 @@
-"""What experiments on photographs share: how an image is read, what is sought, and what is not known besides."""
+"""What experiments on photographs share: what is sought, what is not known besides, and what is kept of a fit."""
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count, takewhile
 from pathlib import Path
@@ -11,27 +10,24 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from PIL import Image
 
 import jaxocean as jo
-from fitting import ElfouhailySea, FitError, Interval, LogNormal, Parameter
+from fitting import ElfouhailySea, Interval, LogNormal, Parameter
 from fitting.pictures import (
     Lesson,
     Photograph,
     PhotographFit,
     SceneModel,
     UncertainSea,
-    find_horizon,
     fit_photograph,
 )
-from jaxocean.io import read_image
 from jaxocean.optics.sky import CloudySky, HosekWilkie
 from jaxocean.render import Camera, Raster
 
 from .. import schema
 from ..common import _build
 from ..harness import _records
-from ..harness._errors import UserError
+from ._taken import Taken
 
 FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
 UNITS = ("m/s", "rad", "rad", "-")
@@ -149,98 +145,6 @@ def start(
         afloat=config.afloat,
     )
     return Photograph(scene, blur=BLUR)
-
-
-@dataclass(frozen=True)
-class Taken:
-    """An image made ready: `light`, linear, and `mask`, both reduced; `camera`; `shown`: the image as it came."""
-
-    light: np.ndarray
-    mask: np.ndarray | None
-    camera: Camera
-    shown: np.ndarray
-
-
-def taken(
-    image: Path, mask: Path | None, config: schema.PhotographCameraConfig, rows: int, key: str = "image"
-) -> Taken:
-    """Read an image, and where its camera looked.
-
-    **Raises:** `UserError` for what is no colour image of the sea.
-    """
-    light = _read(image, key)
-    height, width, _ = light.shape
-    if min(height, width) < rows:
-        raise UserError(
-            f"Key `{key}`: `{image}` must have at least {rows}×{rows} pixels, but has {width}×{height}: give a larger "
-            "one, or fewer `inference.rows`."
-        )
-    if not np.all(np.isfinite(light)):
-        raise UserError(
-            f"Key `{key}`: `{image}` holds light that is not finite: fill what is unknown and mask it."
-        )
-    if _grey(light):
-        raise UserError(
-            f"Key `{key}`: `{image}` is grey, and the horizon is found by colour too: give the colour image."
-        )
-    seen = None if mask is None else _mask(mask, image, (height, width))
-    view = config.vertical(height, width)
-    if config.pitch is None or config.roll is None:
-        try:
-            pitch, roll = find_horizon(light, seen).angles(view)
-        except FitError as problem:
-            raise UserError(
-                f"Key `{key}`: `{image}` shows no horizon: give `camera.pitch` and `camera.roll`, or a `mask` of what "
-                "hides it."
-            ) from problem
-    else:
-        pitch, roll = config.pitch, config.roll
-    camera = Camera((0.0, 0.0, config.height), pitch=float(pitch), roll=float(roll), field_of_view=view)
-    columns = max(2 * round(rows * width / height / 2), 2)
-    if seen is None:
-        return Taken(_reduced(light, rows, columns), None, camera, light)
-    share = _reduced(seen[..., None], rows, columns)
-    # What is hidden has no part in a mean.
-    whole = _reduced(light * seen[..., None], rows, columns) / np.maximum(share, 1e-3)
-    return Taken(whole, share[..., 0], camera, light)
-
-
-def _grey(light: np.ndarray) -> bool:
-    """Whether all but single pixels have hardly any colour."""
-    apart = np.ptp(light, axis=-1) / np.maximum(light.max(axis=-1), 1e-9)
-    return float(np.quantile(apart, 0.99)) < 0.01
-
-
-def _read(path: Path, key: str) -> np.ndarray:
-    try:
-        return np.asarray(read_image(path.expanduser()), np.float32)
-    except FileNotFoundError as problem:
-        raise UserError(f"Key `{key}`: there is no file `{path}`.") from problem
-    except (ValueError, OSError) as problem:
-        raise UserError(f"Key `{key}`: {problem}") from problem
-
-
-def _mask(path: Path, image: Path, size: tuple[int, int]) -> np.ndarray:
-    light = _read(path, "mask").mean(axis=-1)
-    if light.shape != size:
-        raise UserError(
-            f"Key `mask`: `{path}` must have the {size[1]}×{size[0]} pixels of `{image}`, but has "
-            f"{light.shape[1]}×{light.shape[0]}."
-        )
-    seen = (light > 0.2).astype(np.float32)
-    if not np.any(seen):
-        raise UserError(f"Key `mask`: `{path}` hides the whole image: paint white what counts.")
-    return seen
-
-
-def _reduced(planes: np.ndarray, rows: int, columns: int) -> np.ndarray:
-    """Means over the area of each new pixel."""
-    size = columns, rows
-    parts = [
-        np.asarray(Image.fromarray(np.ascontiguousarray(planes[..., i])).resize(size, Image.Resampling.BOX))
-        for i in range(planes.shape[-1])
-    ]
-    return np.stack(parts, axis=-1).astype(np.float32)
 
 
 def fit(

@@ -17,6 +17,7 @@ from ..harness._progress import Reporter
 from ..harness._result import Result
 from ..schema._data import DATA_VARIABLE
 from . import _image_views, _photographs, _winds
+from ._taken import Taken, taken_from
 
 
 def run(config: schema.BuoyPhotographsConfig, progress: Reporter, store: Files) -> Result:
@@ -84,8 +85,8 @@ def _labels(config: schema.BuoyPhotographsConfig, folder: Path) -> dict[str, flo
     }
 
 
-def _taken(config: schema.BuoyPhotographsConfig, path: Path) -> _photographs.Taken:
-    return _photographs.taken(path, None, config.camera, config.inference.rows, "folder")
+def _taken(config: schema.BuoyPhotographsConfig, path: Path) -> Taken:
+    return taken_from(path, None, config.camera, config.inference.rows, "folder")
 
 
 def _infer(

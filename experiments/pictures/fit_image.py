@@ -15,6 +15,7 @@ from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _image_report, _image_views, _photographs, _unknown_scenes
+from ._taken import Taken, taken_from
 
 LEVEL = 0.08, 0.03
 """Pitch and roll [rad] of a picture that is made here."""
@@ -35,7 +36,7 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
     else:
         progress.step("Reading the image")
         mask = None if config.mask is None else Path(config.mask)
-        taken = _photographs.taken(Path(config.image), mask, config.camera, config.inference.rows)
+        taken = taken_from(Path(config.image), mask, config.camera, config.inference.rows)
     try:
         found = _fitted(config, taken, progress, store)
     except KeyboardInterrupt:
@@ -58,7 +59,7 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
     return result
 
 
-def _made(config: schema.FitImageConfig) -> tuple[_photographs.Taken, float]:
+def _made(config: schema.FitImageConfig) -> tuple[Taken, float]:
     """A picture of a sea, and its wind."""
     camera = config.camera
     if camera.pitch is None:
@@ -70,12 +71,10 @@ def _made(config: schema.FitImageConfig) -> tuple[_photographs.Taken, float]:
     columns = _unknown_scenes.columns(config.inference.rows)
     size = config.inference.rows, columns
     light = np.asarray(_unknown_scenes.picture(state, size, known.targets, known.detail))
-    return _photographs.Taken(light, None, state.scene.camera, light), float(state.scene.wind.speed)
+    return Taken(light, None, state.scene.camera, light), float(state.scene.wind.speed)
 
 
-def _fitted(
-    config: schema.FitImageConfig, taken: _photographs.Taken, progress: Reporter, store: Files
-) -> PhotographFit:
+def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, store: Files) -> PhotographFit:
     """The fit, from where an interrupted one left off."""
     kept, learned = store.unfinished() / STEPS, store.unfinished() / "lesson.npz"
     before = _records.read(kept)

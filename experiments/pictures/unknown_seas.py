@@ -16,6 +16,7 @@ from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
 from . import _image_views, _photographs, _unknown_scenes, _winds
+from ._taken import Taken
 
 SHOWN = 4
 """Seas whose pictures are shown."""
@@ -76,11 +77,11 @@ def _infer(config: schema.UnknownSeasConfig, number: int, learned: Path) -> dict
     return {"number": number, "inferred": asdict(inferred), "values": fit.values}
 
 
-def _taken(config: schema.UnknownSeasConfig, state: Photograph) -> _photographs.Taken:
+def _taken(config: schema.UnknownSeasConfig, state: Photograph) -> Taken:
     """The picture of a sea."""
     size = config.inference.rows, _unknown_scenes.columns(config.inference.rows)
     light = np.asarray(_unknown_scenes.picture(state, size, config.targets, config.detail))
-    return _photographs.Taken(light, None, state.scene.camera, light)
+    return Taken(light, None, state.scene.camera, light)
 
 
 def _show(store: Files, config: schema.UnknownSeasConfig, records: list[dict]) -> None:

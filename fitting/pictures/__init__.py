@@ -1,7 +1,6 @@
 """From a picture back to the sea."""
 
 from ._descent import PictureStep as PictureStep
-from ._fit_photograph import DRAWN as DRAWN
 from ._fit_photograph import PhotographFit as PhotographFit
 from ._fit_photograph import fit_photograph as fit_photograph
 from ._fit_picture import PictureFit as PictureFit
@@ -13,6 +12,7 @@ from ._photograph import Photograph as Photograph
 from ._picture_target import PictureTarget as PictureTarget
 from ._scene_model import SceneModel as SceneModel
 from ._summaries import Lesson as Lesson
+from ._synthetic_likelihood import DRAWN as DRAWN
 from ._uncertain_sea import TiltedSpectrum as TiltedSpectrum
 from ._uncertain_sea import UncertainSea as UncertainSea
 from ._waves import View as View

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from jaxocean._numerics import check_kind
 from jaxocean.render import Raster, Rays
@@ -24,12 +24,10 @@ from ._descent import PictureStep
 from ._image_statistics import ImageStatistics
 from ._photograph import Photograph
 from ._picture_target import Image, Mask
-from ._problem import PictureProblem, look
-from ._statistics_target import Seas, StatisticsTarget, Vary, drawn_statistics
-from ._summaries import Lesson, Summaries, learn
-
-DRAWN = 32
-"""Pictures of a state from which the chance of its statistics is known."""
+from ._problem import PictureProblem
+from ._statistics_target import StatisticsTarget, Vary
+from ._summaries import Lesson, Summaries
+from ._synthetic_likelihood import DRAWN, descend, from_scouts, seas_of
 
 MOST_FREE = 12
 """Numbers that are sought at once: the chance of what tells them must be known from few seas."""
@@ -39,16 +37,6 @@ METHOD = Rays((8, 1))
 
 ROUGH = Raster(2.0), 2
 """Draws derivatives, with so many times the rows and columns."""
-
-SCOUTS = 100_000
-"""Between the seeds of scouts and of what is compared."""
-
-GAIN = 0.5
-"""Least gain in half a χ² that is worth a step: that of one number which moves by one standard error. What a regression
-says is a mean over what is possible; steps that gain less only add the roughness of derivatives to it."""
-
-LONGEST = 0.7
-"""Longest step of a free number, on the real line of its bounds."""
 
 Free = Callable | Parameter | Sequence[Callable | Parameter]
 
@@ -210,7 +198,7 @@ def fit_photograph(
         )
     with jax.enable_x64(True):
         problem = PictureProblem(
-            _seas(photograph, DRAWN, seed, vary).some(seas),
+            seas_of(photograph, DRAWN, seed, vary).some(seas),
             StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
             (),
             tuple(prior for _, prior in slots),
@@ -219,7 +207,7 @@ def fit_photograph(
             detail,
         )
         if lesson is None:
-            lesson = _taught(problem, scouts, seed, scouts_before, scouted)
+            lesson = from_scouts(problem, scouts, seed, scouts_before, scouted)
             if taught is not None:
                 taught(lesson)
         kept = _sought.kept(problem, lesson)
@@ -237,7 +225,7 @@ def fit_photograph(
         steps: list[PictureStep] = []
         scattered = _sought.scattered(problem, seed)
         rough = problem.by(*ROUGH) if derivatives is None else problem.by(derivatives, detail)
-        end = _descend(
+        end = descend(
             problem, rough, kept, summaries, aim, free_values, scattered, most_steps, seed, steps, report
         )
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
@@ -267,133 +255,6 @@ def fit_photograph(
     )
 
 
-@dataclass(frozen=True)
-class _End:
-    """Where the way down ends: the state, the statistics of its pictures, residuals (`count` of them of data), and
-    derivatives."""
-
-    cost: float
-    free: Array
-    drawn: np.ndarray
-    rows: np.ndarray
-    jacobian: np.ndarray
-    count: int
-
-    def covariance(self) -> np.ndarray:
-        """Of the free numbers."""
-        own, beside = self.jacobian[: self.count], self.jacobian[self.count :]
-        # What data say is as uncertain as they contradict each other; priors stay what they are.
-        left = float(np.sum(self.rows**2)) / max(len(self.rows) - self.free.size, 1)
-        spread = max(left, 1.0) * (1 + 1 / DRAWN)
-        return np.linalg.pinv(own.T @ own / spread + beside.T @ beside, hermitian=True)
-
-
-def _descend(
-    problem: PictureProblem,
-    rough: PictureProblem,
-    kept: np.ndarray,
-    summaries: Summaries,
-    aim: Array,
-    free: Array,
-    scattered: tuple[np.ndarray, np.ndarray],
-    most_steps: int,
-    seed: int,
-    steps: list[PictureStep],
-    report: Callable[[PictureStep], None] | None,
-) -> _End:
-    """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
-    count = int(kept.sum())
-    middle, spread = _sought.expected(problem, free, *scattered)
-    best, weight, step, vain = None, None, np.zeros(free.size), 0
-    for _ in range(most_steps + 1):
-        drawn = _at(problem, np.broadcast_to(free, (DRAWN, free.size)), seed)
-        seen = np.asarray(summaries(jnp.asarray(drawn)))
-        # Chance is that of the beginning, so that costs can be compared.
-        weight = _whitening(seen, kept) if weight is None else weight
-        target = replace(problem.target, summaries=summaries, observed=aim, whitening=weight)
-        rows, jacobian = (np.asarray(each) for each in look(rough.against(target), free))
-        own = np.asarray(weight) @ (seen.mean(axis=0) - np.asarray(aim))
-        expected = (np.asarray(free) - middle) / spread
-        rows = np.concatenate([own, rows[count:], expected[np.isfinite(spread)]])
-        jacobian = np.concatenate([jacobian, np.diag(1 / spread)[np.isfinite(spread)]])
-        if not (np.all(np.isfinite(rows)) and np.all(np.isfinite(jacobian))):
-            raise FitError(
-                "Pictures of a state, or their derivatives, are not finite",
-                "numbers that no scene has",
-                "give priors or bounds that hold only seas",
-            )
-        cost = 0.5 * float(np.sum(rows**2))
-        gained = np.inf if best is None else best.cost - cost
-        if gained >= GAIN:
-            best, vain = _End(cost, free, drawn, rows, jacobian, count), 0
-            values = problem.named(np.asarray(problem.constrain(free)))
-            steps.append(PictureStep(len(steps), 1, cost, values))
-            if report is not None:
-                report(steps[-1])
-            step = np.clip(-np.linalg.lstsq(jacobian, rows)[0], -LONGEST, LONGEST)
-            if cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2)) < GAIN:
-                break
-        else:
-            vain += 1
-            step = 0.3 * step
-            if vain == 2:
-                break
-        assert best is not None
-        free = best.free + jnp.asarray(step)
-    assert best is not None
-    return best
-
-
-def _taught(
-    problem: PictureProblem,
-    scouts: int,
-    seed: int,
-    before: Sequence[np.ndarray],
-    scouted: Callable[[np.ndarray], None] | None,
-) -> Lesson:
-    random = np.random.default_rng(seed)
-    points = np.stack([_sought.from_priors(problem, random) for _ in range(scouts)])
-    # Other seas than those that later make means and chances: these must not be what was learned from.
-    drawn = _at(problem, points, seed + SCOUTS, before, scouted)
-    sound = np.all(np.isfinite(drawn), axis=1)
-    if np.mean(sound) < 0.5:
-        raise FitError(
-            "Most pictures of states from the priors are not finite",
-            "numbers that no scene has",
-            "give priors or bounds that hold only seas",
-        )
-    return learn(drawn[sound], _sought.goals(problem, points[sound]), problem.target.statistics.steady)
-
-
-def _seas(photograph: Photograph, count: int, seed: int, vary: Vary | None) -> Seas:
-    keys = jax.random.split(jax.random.key(seed + 1), count)
-    return Seas(photograph, photograph.noises(count, seed), keys, vary)
-
-
-def _at(
-    problem: PictureProblem,
-    points: np.ndarray,
-    seed: int,
-    before: Sequence[np.ndarray] = (),
-    found_some: Callable[[np.ndarray], None] | None = None,
-) -> np.ndarray:
-    """Statistics of a picture at each point, each of a sea of its own: the same at the same place in a series.
-
-    **Arguments:** `before`: what `found_some` was called with for the first of these points.
-    """
-    found = [np.asarray(each, float) for each in before]
-    # So many at a time that all pictures are drawn by one program.
-    for part in range(DRAWN * len(found), len(points), DRAWN):
-        some = points[part : part + DRAWN]
-        whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
-        drawn = _seas(problem.model.photograph, DRAWN, seed + part, None)
-        rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
-        found.append(np.asarray(rows, float)[: len(some)])
-        if found_some is not None:
-            found_some(found[-1])
-    return np.concatenate(found)
-
-
 def _nothing(statistics: ImageStatistics) -> Summaries:
     """In the place of what is not yet learned."""
     count = len(statistics.names)
@@ -401,16 +262,3 @@ def _nothing(statistics: ImageStatistics) -> Summaries:
     return Summaries(
         jnp.zeros(count), jnp.ones(count), jnp.zeros((1, count)), jnp.ones(()), none[:1], none, none[0]
     )
-
-
-def _whitening(drawn: Float[np.ndarray, "sea q"], kept: np.ndarray) -> Array:
-    """W with WᵀW = Σ⁻¹ for the summaries that are kept."""
-    covariance = np.atleast_2d(np.cov(drawn[:, kept].T))
-    # The inverse of a covariance from few draws is too large by this (Hartlap, Simon & Schneider 2007).
-    covariance = covariance * (len(drawn) - 1) / (len(drawn) - len(covariance) - 2)
-    found = np.linalg.inv(
-        np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
-    )
-    whole = np.zeros((len(found), drawn.shape[1]))
-    whole[:, kept] = found
-    return jnp.asarray(whole)
