@@ -67,13 +67,14 @@ def vary(photograph: Photograph, key) -> Photograph:
     | direction of wind and waves, from the camera | any |
     | Ω | 1.0 within a factor e^±0.2, but never below 0.84: a sea that is older has other waves than the wind's |
     | waves of all lengths, and short ones by a power of k | e^±0.2, ± 0.3, see `UncertainSea` |
+    | ripples, which films damp and no two spectra agree on | e^(−0.25 ± 0.6): of a slick a quarter is left |
     | swell | \\|N(0, 0.8)\\| m of 11 ± 1.5 s from anywhere |
     | coverage over the law's | 10^±0.2 |
     | λ | 1 ± 0.12 |
     | turbidity, chlorophyll | 3.5 within e^±0.4, 0.15 mg/m³ within e^±0.8 |
     | blur and contrast of the camera | 0.07 ± 0.07, e^±0.15 |
     """
-    normal = jax.random.normal(jax.random.fold_in(key, 0), (11,), jnp.float32)
+    normal = jax.random.normal(jax.random.fold_in(key, 0), (12,), jnp.float32)
     turns = jax.random.uniform(jax.random.fold_in(key, 1), (2,), jnp.float32, -np.pi, np.pi)
     drawn = {
         lambda m: m.scene.wind.direction: turns[0],
@@ -82,6 +83,7 @@ def vary(photograph: Photograph, key) -> Photograph:
         ),
         lambda m: m.scene.spectrum.level: 0.2 * normal[1],
         lambda m: m.scene.spectrum.tilt: 0.3 * normal[2],
+        lambda m: m.scene.spectrum.ripples: 0.6 * normal[11] - 0.25,
         lambda m: m.scene.spectrum.swell_height: jnp.abs(0.8 * normal[3]),
         lambda m: m.scene.spectrum.swell_period: 11 + 1.5 * jnp.clip(normal[4], -3.0, 3.0),
         lambda m: m.scene.spectrum.swell_turn: turns[1],

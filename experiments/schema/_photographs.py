@@ -10,8 +10,8 @@ from ._base import HALF_TURN, QUARTER_TURN, ExperimentConfig, Section, key, wron
 from ._data import data_folder
 from ._sea import CascadeConfig
 
-PATTERNS = CascadeConfig(sizes=(893.0, 101.0, 11.0), resolution=128)
-"""What pictures of some 160 by 90 pixels can show."""
+PATTERNS = CascadeConfig(sizes=(893.0, 101.0, 11.0), resolution=256)
+"""What pictures of some 160 by 90 pixels can show: with half as many waves winds come out wrong by a fifth."""
 
 
 class PhotographCameraConfig(Section):

@@ -32,8 +32,9 @@ from ._synthetic_likelihood import DRAWN, descend, from_scouts, seas_of
 MOST_FREE = 12
 """Numbers that are sought at once: the chance of what tells them must be known from few seas."""
 
-METHOD = Rays((8, 1))
-"""Draws pictures: of a pixel's long footprint on distant water many parts, each of its own light."""
+METHOD = Rays((4, 2))
+"""Draws pictures: of a pixel's long footprint on distant water many parts, each of its own light, and two beside each
+other, since of single points along the horizon too much would seem to change from one to the next."""
 
 ROUGH = Raster(2.0), 2
 """Draws derivatives, with so many times the rows and columns."""
@@ -144,7 +145,7 @@ def fit_photograph(
     - `image`: linear light in any unit; `mask`: 0 where it shows something else.
     - `priors`: as for `fitting.fit`.
     - `vary(photograph, key)`: the same with those numbers drawn that are neither known nor sought, such as the haze.
-    - `method`: how pixels find the sea, `Rays((8, 1))` if None: a mesh, and fewer rays, hold too few of the waves below
+    - `method`: how pixels find the sea, `Rays((4, 2))` if None: a mesh, and fewer rays, hold too few of the waves below
       the horizon and show too much texture nearby, and winds come out wrong by a third.
     - `derivatives`: the same for derivatives, which may be rougher; `Raster(2.0)` with twice the rows and columns if
       None.

@@ -13,7 +13,7 @@ LENGTH = 1.5
 LINEAR = 0.02
 """What a straight line counts beside what is alike, for each statistic."""
 
-RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+RIDGES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 """Of which that is taken that predicts best what it has not seen."""
 
 FARTHEST = 4.0

@@ -14,20 +14,25 @@ from jaxocean.spectra import AbstractSpectrum, Swell
 from .._spectral_model import ElfouhailySea
 
 SHORT = 3.0
-"""Wavenumber [rad/m] above which spectra of different authors part: films, currents and gusts change short waves."""
+"""Wavenumber [rad/m] above which spectra of different authors part: currents and gusts change short waves."""
+
+RIPPLES = 40.0
+"""Wavenumber [rad/m] from which films damp waves: no picture shows these one by one, but light is spread by them."""
 
 
 class TiltedSpectrum(AbstractSpectrum):
     """A spectrum with more or fewer waves, above all short ones.
 
-    $$ Ψ'(k, φ) = e^{a}\\, (1 + (k/k_0)^2)^{b/2}\\, Ψ(k, φ), \\quad k_0 = 3\\,\\mathrm{rad/m} $$
+    $$ Ψ'(k, φ) = e^{a + c\\, k^2/(k^2 + k_1^2)}\\, (1 + (k/k_0)^2)^{b/2}\\, Ψ(k, φ), \\quad
+       k_0 = 3\\,\\mathrm{rad/m},\\; k_1 = 40\\,\\mathrm{rad/m} $$
 
-    **Arguments:** `spectrum` Ψ; `level` a [-] and `tilt` b [-].
+    **Arguments:** `spectrum` Ψ; `level` a, `tilt` b and `ripples` c [-].
     """
 
     spectrum: AbstractSpectrum
     level: Scalar = eqx.field(converter=as_leaf)
     tilt: Scalar = eqx.field(converter=as_leaf)
+    ripples: Scalar = eqx.field(converter=as_leaf, default=0.0)
 
     def density(self, wavenumber: Float[Array, "*k"], angle: Float[Array, "*k"]) -> Float[Array, "*k"]:
         return self._factor(wavenumber) * self.spectrum.density(wavenumber, angle)
@@ -40,8 +45,11 @@ class TiltedSpectrum(AbstractSpectrum):
         return self.spectrum.kinks()
 
     def _factor(self, wavenumber: Float[Array, "*k"]) -> Float[Array, "*k"]:
-        level, tilt = (each.astype(wavenumber.dtype) for each in (self.level, self.tilt))
-        return jnp.exp(level + 0.5 * tilt * jnp.log1p((wavenumber / SHORT) ** 2))
+        level, tilt, ripples = (
+            each.astype(wavenumber.dtype) for each in (self.level, self.tilt, self.ripples)
+        )
+        short = wavenumber**2 / (wavenumber**2 + RIPPLES**2)
+        return jnp.exp(level + ripples * short + 0.5 * tilt * jnp.log1p((wavenumber / SHORT) ** 2))
 
 
 class UncertainSea(eqx.Module):
@@ -50,7 +58,7 @@ class UncertainSea(eqx.Module):
     | leaf | unit | default | role |
     |---|---|---|---|
     | leaves of `wind_sea` | theirs | Elfouhaily, Ω = 0.84 | how a wind makes a spectrum |
-    | `level`, `tilt` | - | 0 | of all its waves, see `TiltedSpectrum` |
+    | `level`, `tilt`, `ripples` | - | 0 | of all its waves, of shorter ones, of ripples, see `TiltedSpectrum` |
     | `swell_height`, `swell_period` | m, s | 0, 10 | of a swell |
     | `swell_turn` | rad | 0 | where it runs to, from where the wind blows to |
     """
@@ -58,13 +66,14 @@ class UncertainSea(eqx.Module):
     wind_sea: ElfouhailySea = eqx.field(default_factory=ElfouhailySea)
     level: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
     tilt: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
+    ripples: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
     swell_height: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
     swell_period: Scalar = eqx.field(converter=as_leaf, default=10.0, kw_only=True)
     swell_turn: Scalar = eqx.field(converter=as_leaf, default=0.0, kw_only=True)
 
     def __call__(self, wind: Wind) -> AbstractSpectrum:
         """The spectrum."""
-        raised = TiltedSpectrum(self.wind_sea(wind), self.level, self.tilt)
+        raised = TiltedSpectrum(self.wind_sea(wind), self.level, self.tilt, self.ripples)
         return raised + Swell(
             significant_wave_height=self.swell_height,
             peak_period=self.swell_period,

@@ -149,10 +149,13 @@ def test_a_view_of_no_sea_is_refused(camera, mask, words):
 
 def test_a_tilted_spectrum_has_more_or_fewer_short_waves():
     plain = jo.spectra.Elfouhaily(jo.Wind(9.0))
-    k, angle = jnp.array([1e-2, 300.0]), jnp.zeros(2)
+    k, angle = jnp.array([1e-2, 40.0, 3e3]), jnp.zeros(3)
     tilted = TiltedSpectrum(plain, 0.1, -0.3)
     ratio = np.asarray(tilted.density(k, angle) / plain.density(k, angle))
     np.testing.assert_allclose(ratio, np.exp(0.1) * (1 + (np.asarray(k) / 3) ** 2) ** -0.15, rtol=1e-9)
+    slick = TiltedSpectrum(plain, 0.1, -0.3, ripples=-1.2)
+    damped = np.asarray(slick.density(k, angle)) / np.asarray(tilted.density(k, angle))
+    np.testing.assert_allclose(damped, [1.0, np.exp(-0.6), np.exp(-1.2)], rtol=1e-3)
     for own, other in zip(tilted.harmonics(k), plain.harmonics(k), strict=True):
         np.testing.assert_allclose(own, ratio * other, rtol=1e-9)
 
