@@ -27,8 +27,11 @@ LIMIT = 2.0
 SOFTNESS = 0.15
 """Of the bands' edges, in the logarithm of the angle below the horizon."""
 
-OCTAVES = 4
-"""Squares of 1, 2, 4 and 8 pixels, of which neighbours are compared along the horizon; across it one size fewer."""
+ALONG = 6
+"""Squares of 1, 2, 4, 8, 16 and 32 pixels, of which neighbours are compared along the horizon."""
+
+ACROSS = 3
+"""Squares of 1, 2 and 4 pixels, of which neighbours are compared across it."""
 
 DARKEST = 0.05
 """Light [means] that is added before logarithms: a black pixel says no more than a dark one."""
@@ -68,19 +71,21 @@ class ImageStatistics(eqx.Module):
     | `bright` | log share of pixels above a robust threshold t = m + 3 s |
     | `foam` | log share of pixels twice as bright as the middle of the band |
     | `colour`, `bright colour` | mean log(red/blue) less that of the sea; of bright pixels less that of their band |
-    | `along`, `across` | texture: ½ log mean square difference of neighbouring squares of 1, 2, 4, 8 pixels |
+    | `along`, `across` | texture: ½ log mean square difference of neighbouring squares of 1, 2, 4 … pixels |
     | `glitter width` | log standard deviation [rad] from side to side of what is brighter than the middle |
     | `left`, `middle` | how light changes from side to side |
     | `relief` | ½ log mean square change from column to column just above the horizon, where crests stand |
     | `sky`, `sky colour` | mean ℓ and log(red/blue) above the horizon less those of the sea |
 
-    Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; the farthest band has none.
+    Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; across the farthest band there
+    is none.
     The glitter and the sides are of the farther and of the nearer half.
 
     Middle m and deviation s are robust (Tukey's biweight), so that whitecaps do not lift the threshold that finds them;
     a pixel counts by a soft step as wide as the threshold itself is uncertain, s √(1/n + 9/2n) with n patches of 4×4
     pixels. All are differentiable, and none knows the exposure. Colours and the sky depend on the white balance and on
-    where clouds are; `steady` says which numbers do not.
+    where clouds are, what changes from one pixel to the next on how sharp a camera is, or how finely a picture is
+    drawn; `steady` says which numbers do not.
 
     **Arguments:** `camera`: pitch, roll and field of view say where the bands lie; `size`: rows and columns; `mask`:
     what each pixel counts, 0 to 1.
@@ -130,8 +135,8 @@ class ImageStatistics(eqx.Module):
 
     @property
     def steady(self) -> tuple[bool, ...]:
-        """Whether each number is the same under another white balance and beside other clouds."""
-        return tuple("colour" not in name and name != "sky" for name in self.names)
+        """Whether each number is the same under another white balance, beside other clouds and by another lens."""
+        return tuple("colour" not in name and " 1 px " not in name and name != "sky" for name in self.names)
 
     def named(self, image: Float[Array, "rows columns 3"]) -> dict[str, Scalar]:
         """Each number by its place and its name."""
@@ -169,11 +174,12 @@ class ImageStatistics(eqx.Module):
             tinted = _mean(bright * (hue - _mean(hue, band)), band) / (share + FEW_COLOURED)
             add(f"bright colour {at}", tinted)
             limited = centre + LIMIT * deviation * jnp.tanh((own - centre) / (LIMIT * deviation))
-            # What the farthest band shows as texture are single pixels: how a camera samples, not what it sees.
-            for octave in range(OCTAVES if number > 1 else 0):
-                add(f"along {2**octave} px {at}", _texture(limited, band, 2**octave, 1))
-                if octave < OCTAVES - 1:
-                    add(f"across {2**octave} px {at}", _texture(limited, band, 2**octave, 0))
+            # Across the farthest band, which is a pixel or two high, there is nothing to compare.
+            for axis, name, octaves in ((1, "along", ALONG), (0, "across", ACROSS if number > 1 else 0)):
+                for side in (2**octave for octave in range(octaves)):
+                    # A small picture has no room for two of the largest.
+                    if 2 * side <= self.size[axis]:
+                        add(f"{name} {side} px {at}", _texture(limited, band, side, axis))
         halves = self.bands.shape[0] // 2
         for name, half in (("far", self.bands[:halves]), ("near", self.bands[halves:])):
             band = jnp.sum(half, axis=0).astype(dtype)
