@@ -77,9 +77,8 @@ class ImageStatistics(eqx.Module):
     | `relief` | ½ log mean square change from column to column just above the horizon, where crests stand |
     | `sky`, `sky colour` | mean ℓ and log(red/blue) above the horizon less those of the sea |
 
-    Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; across the farthest band there
-    is none.
-    The glitter and the sides are of the farther and of the nearer half.
+    Texture, along the horizon and across it, is the spectrum of slopes as the eye sees it; across the farthest band
+    there is none. The glitter and the sides are of the farther and of the nearer half.
 
     Middle m and deviation s are robust (Tukey's biweight), so that whitecaps do not lift the threshold that finds them;
     a pixel counts by a soft step as wide as the threshold itself is uncertain, s √(1/n + 9/2n) with n patches of 4×4
