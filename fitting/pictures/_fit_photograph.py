@@ -173,17 +173,17 @@ def fit_photograph(
     ):
         if number < least:
             raise ValueError(f"Argument `{name}` must be at least {least}, but is {number}.")
-    batches = [min(DRAWN, scouts - part) for part in range(0, scouts, DRAWN)]
-    if [len(each) for each in scouts_before] != batches[: len(scouts_before)]:
-        raise ValueError(
-            f"Argument `scouts_before` must hold {DRAWN} scouts each, as `scouted` was given them, and no more than "
-            f"`scouts` = {scouts}."
-        )
     if seas > DRAWN:
         raise ValueError(f"Argument `seas` must be at most {DRAWN}, but is {seas}.")
     began = time.perf_counter()
     size = int(image.shape[0]), int(image.shape[1])
     statistics = ImageStatistics(photograph.scene.camera, size, mask)
+    batches = [(min(DRAWN, scouts - part), len(statistics.names)) for part in range(0, scouts, DRAWN)]
+    if [np.shape(each) for each in scouts_before] != batches[: len(scouts_before)]:
+        raise ValueError(
+            f"Argument `scouts_before` must hold the {len(statistics.names)} statistics of {DRAWN} scouts each, as "
+            f"`scouted` was given them, and no more than `scouts` = {scouts}."
+        )
     observed = np.asarray(
         eqx.filter_jit(statistics)(jnp.asarray(image, photograph.scene.noise.real.dtype)), float
     )

@@ -318,8 +318,9 @@ def test_scouts_drawn_before_teach_the_same(fitted):
     assert len(drawn) == 1
     np.testing.assert_allclose(drawn[0], told["scouts"][7], rtol=1e-6)
     np.testing.assert_allclose(again.guess["speed"], found.guess["speed"], rtol=1e-6)
-    with pytest.raises(ValueError, match="Argument `scouts_before`"):
-        fit_photograph(toy(), FREE, np.asarray(image), scouts=256, scouts_before=[told["scouts"][0][:5]])
+    for wrong in (told["scouts"][0][:5], told["scouts"][0][:, 1:]):
+        with pytest.raises(ValueError, match="Argument `scouts_before`"):
+            fit_photograph(toy(), FREE, np.asarray(image), scouts=256, scouts_before=[wrong])
 
 
 def test_a_step_can_be_looked_at(fitted):
