@@ -59,7 +59,7 @@ def run(
 ) -> None:
     """Run an experiment, or find its finished run again."""
     from .harness._cache import keep_compiled_programs
-    from .harness._execute import execute, find_finished
+    from .harness._execute import execute, find_finished, interrupted
     from .harness._loading import load
     from .harness._progress import bars
 
@@ -74,7 +74,7 @@ def run(
             with bars(Console(stderr=True)) as progress:
                 finished = execute(loaded, progress, anew=force)
         except KeyboardInterrupt:
-            raise Interrupted("Interrupted: nothing was kept of the unfinished run.") from None
+            raise interrupted(loaded) from None
     sys.stdout.write(finished.summary())
     origin = finished.provenance()
     if found:

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import replace
 from typing import Any
 
-from ._errors import UserError
+from ._errors import Interrupted, UserError
 from ._loading import Loaded
 from ._progress import Reporter, Silent
 from ._report import render
@@ -19,6 +19,16 @@ ROOMS = ("jaxocean", "fitting", "experiments")
 def find_finished(loaded: Loaded) -> FinishedRun | None:
     """The finished run of this config, or None; imports no JAX."""
     return find(run_folder(loaded, identity(loaded)))
+
+
+def interrupted(loaded: Loaded) -> Interrupted:
+    """What Ctrl-C leaves of the run of this config."""
+    folder = RunWriter(run_folder(loaded, identity(loaded))).unfinished
+    if folder.is_dir() and any(folder.iterdir()):
+        return Interrupted(
+            "Interrupted: finished parts of the run are kept, and the same command goes on from there."
+        )
+    return Interrupted("Interrupted: nothing was kept of the unfinished run.")
 
 
 def execute(loaded: Loaded, progress: Reporter | None = None, *, anew: bool = False) -> FinishedRun:

@@ -7,6 +7,7 @@ import re
 import shutil
 import socket
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -104,6 +105,9 @@ class RunWriter:
 
     def __exit__(self, *_: object) -> None:
         shutil.rmtree(self.folder, ignore_errors=True)
+        # One that holds nothing is of no use to the next run.
+        with suppress(OSError):
+            self.unfinished.rmdir()
 
     def write_json(self, name: str, content: Mapping[str, Any]) -> None:
         """Write `content` as JSON."""

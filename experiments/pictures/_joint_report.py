@@ -27,7 +27,11 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
             float(each.values[1]),
             float(own[1]),
             f"{each.correlation:+.3f}",
-            "-" if each.doubted is None else f"{whole[0]:.3f}, {whole[1]:.3f}",
+            *(
+                ("-", "-")
+                if each.doubted is None
+                else (f"{whole[0]:.3f}, {whole[1]:.3f}", f"{each.correlation_in_doubt:+.3f}")
+            ),
             words,
         )
         for each, own, whole, words in zip(every, deviations, doubted, intervals, strict=True)
@@ -40,6 +44,7 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
         "± λ",
         "correlation",
         "± ε and λ with renderers in doubt",
+        "correlation with these",
         f"{100 * LEVEL:g} % profile interval of λ",
     )
     values = {
@@ -48,6 +53,7 @@ def result(config: schema.JointTargetsConfig, objectives: Sequence, picture, sca
         "errors": deviations,
         "errors_with_renderers_in_doubt": doubted,
         "correlations": [each.correlation for each in every],
+        "correlations_with_renderers_in_doubt": [each.correlation_in_doubt for each in every],
         "picture_scatter": scatter,
     }
     return Result(values=values, tables=(Table("ε and λ", columns, rows),))
@@ -74,11 +80,12 @@ def report(config: schema.JointTargetsConfig, objectives: Sequence, picture, res
         f"The picture alone has {picture.correlation:+.2f} and ± {errors[picture.name][1]:.2g}. It weighs what parts "
         "of the image say when each errs by itself. That is what the picture tells if the renderer is right; how far ε "
         "and λ would move if it were drawn by the other method, or with a single look at each pixel, is in the table, "
-        "and dotted in the figure.",
+        f"and dotted in the figure; with that their errors have a correlation of {joint.correlation_in_doubt:+.2f}.",
     ]
     setting = (
         f"truth U10 = {config.wind.speed:g} m/s, ε = {config.threshold:g}, λ = {config.choppiness:g}, "
-        f"Ω = {config.inverse_wave_age:g}; free are ε, λ and Ω; law and slopes are those of the truth at "
+        f"Ω = {config.inverse_wave_age:g}; free are ε, λ and Ω, each {100 * config.away:g} % off at first; law and "
+        "slopes are those of the truth at "
         f"{len(config.winds.speed)} winds, with scatters of {config.law_scatter:g} in log10 and "
         f"{100 * config.slope_scatter:g} %; the picture is drawn by rays with {config.detail}² times as many pixels; "
         f"its waves' random numbers, its camera and its light are known; seed {config.seed}"

@@ -31,7 +31,7 @@ def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, 
                 *_ellipse(joint, joint.covariance),
                 color=_plots.VERMILION,
                 ls=":",
-                label="with renderers in doubt",
+                label=f"with renderers in doubt ({joint.correlation_in_doubt:+.2f})",
             )
             region.plot(config.choppiness, config.threshold, "+", color=_plots.BLACK, ms=10, label="truth")
             limit = float(np.sqrt(fitting.profile_limit(LEVEL)))

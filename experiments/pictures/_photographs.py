@@ -1,10 +1,7 @@
 """What experiments on photographs share: what is sought, what is not known besides, and what is kept of a fit."""
 
-import os
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from itertools import count, takewhile
-from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -26,7 +23,6 @@ from jaxocean.render import Camera, Raster
 
 from .. import schema
 from ..common import _build
-from ..harness import _records
 from ._taken import Taken
 
 FREE = ("wind speed", "sun elevation", "sun azimuth", "cloud cover")
@@ -48,6 +44,8 @@ WAVE_AGE, DEVELOPED = 1.0, 0.84
 
 BREAKING = 6.0
 """Breaking wavenumber [rad/m]: whitecaps that a photograph shows are of waves of a metre and more."""
+
+PhotographsConfig = schema.FitImageConfig | schema.UnknownSeasConfig | schema.BuoyPhotographsConfig
 
 
 def free(config: schema.InferenceConfig) -> list[Parameter]:
@@ -149,35 +147,8 @@ def start(
     return Photograph(scene, blur=BLUR)
 
 
-def fit(
-    image: Taken,
-    config: schema.FitImageConfig | schema.UnknownSeasConfig | schema.BuoyPhotographsConfig,
-    *,
-    keep: Path,
-    advance: Callable[[], None] | None = None,
-    taught: Callable[[], None] | None = None,
-    **options,
-) -> PhotographFit:
-    """Wind and light of an image.
-
-    **Arguments:** `keep`: file of what scouts of this camera teach, read if it is there; what is drawn before that is
-    kept beside it. `advance`: called after each 32 scouts that are drawn; `taught`: after the last. `options` as for
-    `fit_photograph`.
-    """
-
-    before = scouts_before(keep)
-    numbers = count(len(before))
-
-    def scouted(statistics: np.ndarray) -> None:
-        _records.append(_scouts(keep), {"batch": next(numbers), "statistics": statistics.tolist()})
-        if advance is not None:
-            advance()
-
-    def learned(lesson: Lesson) -> None:
-        save_lesson(keep, lesson)
-        if taught is not None:
-            taught()
-
+def fit(image: Taken, config: PhotographsConfig, lesson: Lesson, **options) -> PhotographFit:
+    """Wind and light of an image; `options` as for `fit_photograph`."""
     inference = config.inference
     return fit_photograph(
         start(image.camera, config.camera, config.cascade, config.seed),
@@ -185,27 +156,12 @@ def fit(
         image.light,
         mask=image.mask,
         vary=varied(config.camera.height_spread, config.camera.view_spread),
-        scouts=inference.scouts,
         seas=inference.seas,
         most_steps=inference.steps,
         seed=config.seed,
-        lesson=read_lesson(keep),
-        scouts_before=before,
-        scouted=scouted,
-        taught=learned,
+        lesson=lesson,
         **options,
     )
-
-
-def scouts_before(keep: Path) -> list[np.ndarray]:
-    """Statistics of the scouts that an interrupted run has drawn, batch by batch."""
-    # By number: two runs of the same config may both have kept theirs.
-    found = {each["batch"]: each["statistics"] for each in _records.read(_scouts(keep))}
-    return [np.asarray(found[number], float) for number in takewhile(found.__contains__, count())]
-
-
-def _scouts(keep: Path) -> Path:
-    return keep.with_suffix(".scouts.jsonl")
 
 
 def with_values(photograph: Photograph, values: Mapping[str, float]) -> Photograph:
@@ -227,18 +183,3 @@ def found_picture(
 def drawn(photograph: Photograph, size: tuple[int, int]) -> jax.Array:
     """A picture of a state, to be looked at."""
     return photograph.picture(size, Raster(1.0))
-
-
-def save_lesson(path: Path, lesson: Lesson) -> None:
-    """Keep what scouts taught; the file appears whole."""
-    partial = path.with_suffix(".part.npz")
-    np.savez(partial, allow_pickle=False, **lesson.arrays)
-    os.replace(partial, path)
-
-
-def read_lesson(path: Path) -> Lesson | None:
-    """What an interrupted run has learned, or None."""
-    if not path.is_file():
-        return None
-    with np.load(path, allow_pickle=False) as kept:
-        return Lesson.of(dict(kept))

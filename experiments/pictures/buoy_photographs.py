@@ -16,7 +16,7 @@ from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
 from ..schema._data import DATA_VARIABLE
-from . import _image_views, _photographs, _winds
+from . import _image_views, _lessons, _photographs, _winds
 from ._taken import Taken, taken_from
 
 
@@ -95,14 +95,21 @@ def _infer(
     name = Path(file).stem.split("_")[0]
     try:
         image = _taken(config, folder / file)
-        learned = unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz"
-        fit = _photographs.fit(image, config, keep=learned)
-    except (FitError, UserError, ValueError) as problem:
-        failed = _winds.Inferred.failed(name, true, problem)
-        return {"file": file, "inferred": asdict(failed), "values": {}}
+    except UserError as problem:
+        return _failed(file, name, true, problem)
+    learned = unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz"
+    try:
+        lesson = _lessons.learned(image.camera, image.size, image.mask, config, keep=learned)
+        fit = _photographs.fit(image, config, lesson)
+    except FitError as problem:
+        return _failed(file, name, true, problem)
     foam = _winds.bright_share(image.light, image.camera, None)
     inferred = _winds.Inferred.of(name, true, fit, config.inference.level, foam)
     return {"file": file, "inferred": asdict(inferred), "values": fit.values}
+
+
+def _failed(file: str, name: str, true: float, problem: Exception) -> dict:
+    return {"file": file, "inferred": asdict(_winds.Inferred.failed(name, true, problem)), "values": {}}
 
 
 def _show(store: Files, config: schema.BuoyPhotographsConfig, folder: Path, records: list[dict]) -> None:

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from fitting import FitError
-from fitting.pictures import DRAWN, PhotographFit, PictureStep
+from fitting.pictures import PhotographFit, PictureStep
 
 from .. import schema
 from ..harness import _records
@@ -14,7 +14,7 @@ from ..harness._errors import Interrupted, UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
-from . import _image_report, _image_views, _photographs, _unknown_scenes
+from . import _image_report, _image_views, _lessons, _photographs, _unknown_scenes
 from ._taken import Taken, taken_from
 
 LEVEL = 0.08, 0.03
@@ -44,11 +44,8 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
             "Interrupted: what is drawn of the random states, what they taught and each step is kept, and the same "
             "command goes on from there."
         ) from None
-    except (FitError, ValueError) as problem:
-        words = str(problem)
-        if words.startswith("Argument `mask`"):
-            raise UserError(words.replace("Argument", "Key", 1)) from problem
-        raise UserError(f"Key `image`: {words}") from problem
+    except FitError as problem:
+        raise UserError(f"Key `image`: {problem}") from problem
     progress.step("Drawing what was found")
     _image_views.plot(store, config, taken, found)
     _image_views.strip(store, taken, _frames(found, _way(store)), found)
@@ -68,10 +65,7 @@ def _made(config: schema.FitImageConfig) -> tuple[Taken, float]:
         seed=config.seed, inference=config.inference, camera=camera, cascade=config.cascade
     )
     state = _unknown_scenes.draw(known, 0)
-    columns = _unknown_scenes.columns(config.inference.rows)
-    size = config.inference.rows, columns
-    light = np.asarray(_unknown_scenes.picture(state, size, known.targets, known.detail))
-    return Taken(light, None, state.scene.camera, light), float(state.scene.wind.speed)
+    return _unknown_scenes.taken(known, state), float(state.scene.wind.speed)
 
 
 def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, store: Files) -> PhotographFit:
@@ -79,10 +73,6 @@ def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, sto
     kept, learned = store.unfinished() / STEPS, store.unfinished() / "lesson.npz"
     before = _records.read(kept)
     taught = learned.is_file()
-    advance = None
-    if not taught:
-        left = -(-config.inference.scouts // DRAWN) - len(_photographs.scouts_before(learned))
-        advance = progress.count("Random states; the first picture compiles, for a minute", left)
 
     def report(step: PictureStep) -> None:
         values = {name: float(np.asarray(value)) for name, value in step.values.items()}
@@ -91,15 +81,10 @@ def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, sto
         # An interrupted fit goes on from its last step.
         progress.step(f"Step {max(len(before) - 1, 0) + step.number}: {wind}, cost {step.cost:.3g}")
 
-    return _photographs.fit(
-        taken,
-        config,
-        keep=learned,
-        advance=advance,
-        taught=lambda: progress.step("Going down; the first step compiles, for a minute or two"),
-        begin=before[-1]["values"] if before and taught else None,
-        report=report,
-    )
+    lesson = _lessons.learned(taken.camera, taken.size, taken.mask, config, keep=learned, progress=progress)
+    progress.step("Going down; the first step compiles, for a minute or two")
+    begin = before[-1]["values"] if before and taught else None
+    return _photographs.fit(taken, config, lesson, begin=begin, report=report)
 
 
 def _way(store: Files) -> list[dict[str, float]]:

@@ -63,7 +63,16 @@ class Objective:
     @property
     def correlation(self) -> float:
         """Of the errors of ε and λ, if the renderer is right."""
-        return float(self.told[0, 1] / np.sqrt(self.told[0, 0] * self.told[1, 1]))
+        return _correlation(self.told)
+
+    @property
+    def correlation_in_doubt(self) -> float:
+        """The same with what renderers differ in."""
+        return _correlation(self.covariance)
+
+
+def _correlation(covariance: np.ndarray) -> float:
+    return float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
 
 
 @dataclass(frozen=True)
@@ -93,18 +102,19 @@ def _run(config: schema.JointTargetsConfig, progress: Reporter, store: Files) ->
     truth = _truth(config)
     image = target(truth, (config.height, config.width), config.detail, Rays())
     law, slopes = _targets(config, truth)
+    start = _away(config, truth)
     advance = progress.count("Fits; the first with a picture compiles, for minutes", 4 + config.points)
     objectives = []
     for name, targets in (("coverage law", [law]), ("law and slopes", [law, slopes])):
-        objectives.append(_without_picture(config, truth, name, targets))
+        objectives.append(_without_picture(config, start, name, targets))
         advance()
     # A process may hold only so many compiled programs, and those of pictures are large.
     jax.clear_caches()
     kept = store.unfinished() / "fits.jsonl"
-    alone = _fit(kept, "picture", truth, PictureTarget(image), _muted(law) + _muted(slopes), _prior(config))
+    alone = _fit(kept, "picture", start, PictureTarget(image), _muted(law) + _muted(slopes), _prior(config))
     advance()
     weighed = PictureTarget(image, scatter=alone.scatter)
-    objectives.append(_with_picture(config, kept, truth, weighed, law + slopes, advance))
+    objectives.append(_with_picture(config, kept, start, weighed, law + slopes, advance))
     progress.step("Drawing the figure")
     picture = _objective("picture", alone)
     _joint_views.plot(store, config, objectives, picture)
@@ -157,6 +167,13 @@ def _free(model):
     return model.threshold, model.choppiness, model.spectrum.inverse_wave_age
 
 
+def _away(config: schema.JointTargetsConfig, truth: SceneModel) -> SceneModel:
+    """Where fits begin: a choppier sea with a lower threshold has nearly the same coverage."""
+    factors = 1 - config.away, 1 + config.away, 1 + config.away
+    values = (factor * value for factor, value in zip(factors, _free(truth), strict=True))
+    return eqx.tree_at(_free, truth, tuple(values))
+
+
 def _prior(config: schema.JointTargetsConfig, mean: float | None = None) -> fitting.Normal:
     """The wide one, or one that holds λ."""
     wide = config.choppiness, config.prior_deviation
@@ -164,10 +181,10 @@ def _prior(config: schema.JointTargetsConfig, mean: float | None = None) -> fitt
 
 
 def _without_picture(
-    config: schema.JointTargetsConfig, truth: SceneModel, name: str, targets: Sequence
+    config: schema.JointTargetsConfig, start: SceneModel, name: str, targets: Sequence
 ) -> Objective:
     with jax.enable_x64(True):
-        model, priors = with_dtype(truth, jnp.dtype(jnp.float64)).statistics(), [_prior(config)]
+        model, priors = with_dtype(start, jnp.dtype(jnp.float64)).statistics(), [_prior(config)]
         found = fitting.fit(model, _free, targets, priors=priors)
         spread = float(np.sqrt(found.covariance[1, 1]))
         middle = float(found.model.choppiness)
@@ -215,22 +232,22 @@ def _fit(
 def _with_picture(
     config: schema.JointTargetsConfig,
     kept: Path,
-    truth: SceneModel,
+    start: SceneModel,
     image: PictureTarget,
     beside: fitting.TargetSum,
     advance: Callable[[], None],
 ) -> Objective:
     """All three at once, and again with λ held at values around what was found."""
-    best = _fit(kept, "all", truth, image, beside, _prior(config))
+    best = _fit(kept, "all", start, image, beside, _prior(config))
     advance()
-    # Closer by, the cost is as rough as pictures are where crests move across pixels.
+    # Closer and closer by: far off it shows the valley, nearby what the interval is.
     reach = DOUBTED * best.errors["choppiness"]
-    grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points)
+    grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points) ** 3
     costs, values = [], []
     for value in grid:
         begin = {**best.values, "choppiness": value}
-        start = eqx.tree_at(_free, truth, tuple(jnp.asarray(begin[name], jnp.float32) for name in NAMES))
-        held = _fit(kept, f"held at {value}", start, image, beside, _prior(config, float(value)))
+        found = eqx.tree_at(_free, start, tuple(jnp.asarray(begin[name], jnp.float32) for name in NAMES))
+        held = _fit(kept, f"held at {value}", found, image, beside, _prior(config, float(value)))
         # What the wide prior would say there.
         off = (value - config.choppiness) / config.prior_deviation
         costs.append(2 * held.cost + off**2)

@@ -6,17 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from fitting import FitError
-from fitting.pictures import Photograph
+from fitting.pictures import Lesson
 
 from .. import schema
 from ..common._markdown import page
 from ..harness import _records
-from ..harness._errors import Interrupted
+from ..harness._errors import Interrupted, UserError
 from ..harness._files import Files
 from ..harness._progress import Reporter
 from ..harness._result import Result
-from . import _image_views, _photographs, _unknown_scenes, _winds
-from ._taken import Taken
+from . import _image_views, _lessons, _photographs, _unknown_scenes, _winds
 
 SHOWN = 4
 """Seas whose pictures are shown."""
@@ -28,11 +27,12 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
     """Look for all winds; see `schema.UnknownSeasConfig`."""
     kept, learned = store.unfinished() / "inferred.jsonl", store.unfinished() / "lesson.npz"
     done = {record["number"]: record for record in _records.read(kept)}
-    advance = progress.count("Winds looked for; the first learns and compiles, for minutes", config.count)
     try:
+        lesson = _lesson(config, progress, learned)
+        advance = progress.count("Winds looked for; the first compiles, for minutes", config.count)
         for number in range(config.count):
             if number not in done:
-                done[number] = _infer(config, number, learned)
+                done[number] = _infer(config, number, lesson)
                 _records.append(kept, done[number])
             advance()
     except KeyboardInterrupt:
@@ -64,24 +64,26 @@ def run(config: schema.UnknownSeasConfig, progress: Reporter, store: Files) -> R
     return result
 
 
-def _infer(config: schema.UnknownSeasConfig, number: int, learned: Path) -> dict:
+def _lesson(config: schema.UnknownSeasConfig, progress: Reporter, learned: Path) -> Lesson:
+    rows = config.inference.rows
+    size = rows, _unknown_scenes.columns(rows)
+    return _lessons.learned(
+        _unknown_scenes.camera(config), size, None, config, keep=learned, progress=progress
+    )
+
+
+def _infer(config: schema.UnknownSeasConfig, number: int, lesson: Lesson) -> dict:
     state = _unknown_scenes.draw(config, number)
-    image, true = _taken(config, state), float(state.scene.wind.speed)
-    foam = _winds.bright_share(image.light, image.camera, None)
+    true = float(state.scene.wind.speed)
     try:
-        fit = _photographs.fit(image, config, keep=learned)
-    except (FitError, ValueError) as problem:
-        failed = _winds.Inferred.failed(str(number), true, problem, foam)
+        image = _unknown_scenes.taken(config, state)
+        fit = _photographs.fit(image, config, lesson)
+    except (FitError, UserError) as problem:
+        failed = _winds.Inferred.failed(str(number), true, problem)
         return {"number": number, "inferred": asdict(failed), "values": {}}
+    foam = _winds.bright_share(image.light, image.camera, None)
     inferred = _winds.Inferred.of(str(number), true, fit, config.inference.level, foam)
     return {"number": number, "inferred": asdict(inferred), "values": fit.values}
-
-
-def _taken(config: schema.UnknownSeasConfig, state: Photograph) -> Taken:
-    """The picture of a sea."""
-    size = config.inference.rows, _unknown_scenes.columns(config.inference.rows)
-    light = np.asarray(_unknown_scenes.picture(state, size, config.targets, config.detail))
-    return Taken(light, None, state.scene.camera, light)
 
 
 def _show(store: Files, config: schema.UnknownSeasConfig, records: list[dict]) -> None:
@@ -94,7 +96,7 @@ def _show(store: Files, config: schema.UnknownSeasConfig, records: list[dict]) -
     )
     parts = []
     for record in chosen:
-        image = _taken(config, _unknown_scenes.draw(config, record["number"]))
+        image = _unknown_scenes.taken(config, _unknown_scenes.draw(config, record["number"]))
         picture = _photographs.found_picture(image, config, record["values"])
         true, wind = record["inferred"]["true"], record["inferred"]["found"]
         parts.append(
@@ -112,9 +114,10 @@ def _report(config: schema.UnknownSeasConfig, result: Result) -> str:
         f"{level:g} % intervals hold the truth. The regression with which the fit begins has "
         f"{100 * v['median_error_of_the_regression']:.0f} %.",
         f"The pictures are of JONSWAP seas, drawn by {DRAWN[config.targets]} with {config.detail}² times as many "
-        "pixels and averaged; the fit draws eight rays down each pixel, and knows another family of spectra and other "
-        "waves. Sun, clouds, direction, age of the sea, λ, haze, water and coverage are unknown to it. A fit takes "
-        f"{v['seconds_median']:.0f} s in the median.",
+        "pixels and averaged; the fit draws eight rays for each pixel, and knows another family of spectra and other "
+        "waves. Tilt is from the horizon; sun, clouds, direction, age of the sea, λ, haze, water and coverage are "
+        "unknown to it. The camera's height and field of view are known, and the median and spread of the winds. A fit "
+        f"takes {v['seconds_median']:.0f} s in the median.",
         "![Pictures, and what was found in them](pictures.png)",
     ]
     return page(

@@ -22,6 +22,13 @@ class JointTargetsConfig(ExperimentConfig):
     law_scatter: float = key(0.1, unit="-", meaning="of the coverage law, in log10 W", gt=0)
     slope_scatter: float = key(0.1, unit="-", meaning="of the slope variance, relative", gt=0)
     prior_deviation: float = key(0.5, unit="-", meaning="of a wide prior on λ around its truth", gt=0)
+    away: float = key(
+        0.1,
+        unit="-",
+        meaning="how far from the truth fits begin: ε lower, λ and Ω higher by this share",
+        ge=0,
+        lt=0.5,
+    )
     camera: CameraConfig = key(
         CameraConfig(position=(0.0, 0.0, 12.0), heading=0.6, pitch=0.35), meaning="the camera"
     )

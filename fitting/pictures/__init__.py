@@ -13,6 +13,7 @@ from ._picture_target import PictureTarget as PictureTarget
 from ._scene_model import SceneModel as SceneModel
 from ._summaries import Lesson as Lesson
 from ._synthetic_likelihood import DRAWN as DRAWN
+from ._teach import teach as teach
 from ._uncertain_sea import TiltedSpectrum as TiltedSpectrum
 from ._uncertain_sea import UncertainSea as UncertainSea
 from ._waves import View as View

@@ -12,34 +12,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from jaxocean._numerics import check_kind
 from jaxocean.render import Raster, Rays
 
 from .._bounds import Interval
 from .._errors import FitError
-from .._parameters import Parameter, Slot, attach_priors, resolve
+from .._parameters import Slot
 from .._priors import AbstractPrior
 from . import _sought
 from ._descent import PictureStep
-from ._image_statistics import ImageStatistics
 from ._photograph import Photograph
-from ._picture_target import Image, Mask
-from ._problem import PictureProblem
-from ._statistics_target import StatisticsTarget, Vary
-from ._summaries import Lesson, Summaries
-from ._synthetic_likelihood import DRAWN, descend, from_scouts, seas_of
-
-MOST_FREE = 12
-"""Numbers that are sought at once: the chance of what tells them must be known from few seas."""
-
-METHOD = Rays((4, 2))
-"""Draws pictures: of a pixel's long footprint on distant water many parts, each of its own light, and two beside each
-other, since of single points along the horizon too much would seem to change from one to the next."""
+from ._picture_target import Image, Mask, check_light
+from ._statistics_target import Vary
+from ._summaries import Lesson
+from ._synthetic_likelihood import DRAWN, descend
+from ._teach import Free, pose, teach
 
 ROUGH = Raster(2.0), 2
 """Draws derivatives, with so many times the rows and columns."""
-
-Free = Callable | Parameter | Sequence[Callable | Parameter]
 
 
 @dataclass(frozen=True)
@@ -122,20 +111,16 @@ def fit_photograph(
     begin: Mapping[str, float] | None = None,
     most_steps: int = 2,
     seed: int = 0,
-    scouts_before: Sequence[np.ndarray] = (),
     report: Callable[[PictureStep], None] | None = None,
-    scouted: Callable[[np.ndarray], None] | None = None,
-    taught: Callable[[Lesson], None] | None = None,
 ) -> PhotographFit:
     """Fit the state of a sea to a photograph of other waves than the model's: by what `ImageStatistics` say of it.
 
     $$ \\min_θ ½\\, (\\bar η(θ) - η)^T Σ^{-1} (\\bar η(θ) - η) + ½ \\sum_p r_p(θ)² $$
 
-    Scouts, states from the priors with one picture each, teach a regression which combinations η of the statistics tell
-    the free numbers. The photograph's η then are data: they are compared with their mean over some seas of the state θ,
-    whose random numbers stay the same, and weighed by their covariance Σ over seas and over what `vary` draws (a
-    synthetic likelihood, Wood 2010). From what the regression says it goes down by Gauss–Newton steps with the
-    derivatives of the pictures.
+    A lesson (see `teach`) says which combinations η of the statistics tell the free numbers. The photograph's η then
+    are data: they are compared with their mean over some seas of the state θ, whose random numbers stay the same, and
+    weighed by their covariance Σ over seas and over what `vary` draws (a synthetic likelihood, Wood 2010). From what
+    the regression says it goes down by Gauss–Newton steps with the derivatives of the pictures.
 
     **Arguments:**
 
@@ -150,67 +135,48 @@ def fit_photograph(
     - `derivatives`: the same for derivatives, which may be rougher; `Raster(2.0)` with twice the rows and columns if
       None.
     - `detail`: pictures are drawn with so many times the rows and columns and averaged.
-    - `scouts`: how many; `seas`: how many are drawn for a derivative, at most 32; means are over 32.
-    - `lesson`: that of another fit with the same camera, size, mask and free numbers: it needs no scouts.
+    - `lesson`: what `teach` learned of the camera, with images of the same size, the same mask, free numbers and
+      `vary`; if None, `scouts` pictures are drawn to learn it.
+    - `seas`: how many are drawn for a derivative, at most 32; means are over 32.
     - `begin`: values of the free numbers by name, from where to go down; what the regression says if None.
     - `most_steps`: of the way down.
     - `seed`: of all random numbers.
-    - `scouts_before`: what `scouted` was given by an interrupted call with the same arguments: these are not drawn
-      again.
-    - `report`: called with each step that lowers the cost; `scouted`: with the statistics of each 32 scouts; `taught`:
-      with what they taught.
+    - `report`: called with each step that lowers the cost.
 
     **Returns:** `PhotographFit`.
 
     **Raises:** `ValueError` for arguments that make no sense; `FitError` if pictures or derivatives are not finite.
     """
-    check_kind("photograph", photograph, Photograph, "a `Photograph`")
-    for name, least, number in (
-        ("detail", 1, detail),
-        ("seas", 1, seas),
-        ("scouts", 20, scouts),
-        ("most_steps", 1, most_steps),
-    ):
-        if number < least:
-            raise ValueError(f"Argument `{name}` must be at least {least}, but is {number}.")
+    for name, number in (("seas", seas), ("most_steps", most_steps)):
+        if number < 1:
+            raise ValueError(f"Argument `{name}` must be at least 1, but is {number}.")
     if seas > DRAWN:
         raise ValueError(f"Argument `seas` must be at most {DRAWN}, but is {seas}.")
+    check_light(image, mask)
     began = time.perf_counter()
     size = int(image.shape[0]), int(image.shape[1])
-    statistics = ImageStatistics(photograph.scene.camera, size, mask)
-    batches = [(min(DRAWN, scouts - part), len(statistics.names)) for part in range(0, scouts, DRAWN)]
-    if [np.shape(each) for each in scouts_before] != batches[: len(scouts_before)]:
-        raise ValueError(
-            f"Argument `scouts_before` must hold the {len(statistics.names)} statistics of {DRAWN} scouts each, as "
-            f"`scouted` was given them, and no more than `scouts` = {scouts}."
+    with jax.enable_x64(True):
+        problem = pose(photograph, free, size, mask, priors, vary, method, detail, seas, seed)
+        before = None if begin is None else _sought.from_names(problem, begin)
+    if lesson is None:
+        lesson = teach(
+            photograph,
+            free,
+            size,
+            mask=mask,
+            priors=priors,
+            vary=vary,
+            method=method,
+            detail=detail,
+            scouts=scouts,
+            seed=seed,
         )
+    statistics = problem.target.statistics
+    _sought.check_lesson(problem, lesson)
     observed = np.asarray(
         eqx.filter_jit(statistics)(jnp.asarray(image, photograph.scene.noise.real.dtype)), float
     )
-    slots = attach_priors(photograph, resolve(photograph, free, 1), list(priors))
-    for slot, _ in slots:
-        if slot.shape:
-            raise ValueError(
-                f"Argument `free` must pick single numbers, but `{slot.name}` has shape {slot.shape}."
-            )
-    if len(slots) > MOST_FREE:
-        raise ValueError(
-            f"Argument `free` must pick at most {MOST_FREE} numbers, but picks {len(slots)}: one picture tells no more."
-        )
     with jax.enable_x64(True):
-        problem = PictureProblem(
-            seas_of(photograph, DRAWN, seed, vary).some(seas),
-            StatisticsTarget(statistics, _nothing(statistics), jnp.zeros(1), jnp.eye(1)),
-            (),
-            tuple(prior for _, prior in slots),
-            tuple(slot for slot, _ in slots),
-            METHOD if method is None else method,
-            detail,
-        )
-        if lesson is None:
-            lesson = from_scouts(problem, scouts, seed, scouts_before, scouted)
-            if taught is not None:
-                taught(lesson)
         kept = _sought.kept(problem, lesson)
         if not np.any(kept):
             raise FitError(
@@ -222,13 +188,10 @@ def fit_photograph(
         summaries = jax.tree.map(jnp.asarray, lesson.summaries)
         aim = summaries(jnp.asarray(observed))
         guess = jnp.asarray(_sought.from_goals(problem, np.asarray(aim)))
-        free_values = guess if begin is None else _sought.from_names(problem, begin)
-        steps: list[PictureStep] = []
+        start = guess if before is None else before
         scattered = _sought.scattered(problem, seed)
         rough = problem.by(*ROUGH) if derivatives is None else problem.by(derivatives, detail)
-        end = descend(
-            problem, rough, kept, summaries, aim, free_values, scattered, most_steps, seed, steps, report
-        )
+        end = descend(problem, rough, kept, summaries, aim, start, scattered, most_steps, seed, report)
         predicted, chance = end.drawn.mean(axis=0), end.drawn.std(axis=0, ddof=1)
         used = np.asarray(statistics.steady) & (chance > 1e-9)
         misfit = float(np.mean(((observed - predicted)[used] / chance[used]) ** 2))
@@ -247,19 +210,10 @@ def fit_photograph(
         predicted,
         chance,
         misfit,
-        tuple(steps),
+        end.steps,
         time.perf_counter() - began,
         problem.put(values, as_given=True).photograph,
         lesson,
         size,
         problem.slots,
-    )
-
-
-def _nothing(statistics: ImageStatistics) -> Summaries:
-    """In the place of what is not yet learned."""
-    count = len(statistics.names)
-    none = jnp.zeros((count, 1))
-    return Summaries(
-        jnp.zeros(count), jnp.ones(count), jnp.zeros((1, count)), jnp.ones(()), none[:1], none, none[0]
     )

@@ -47,28 +47,13 @@ class PictureTarget(eqx.Module):
         self, image: Image, mask: Mask | None = None, *, scatter: FloatLike = 1.0, levels: int = 5
     ) -> None:
         image = as_leaf(image)
+        check_light(image, mask)
         mask = jnp.ones(image.shape[:2], image.dtype) if mask is None else as_leaf(mask)
-        if is_concrete(image) and not np.all(np.isfinite(image)):
-            raise ValueError("Argument `image` must be finite, but is not: mask and fill what is unknown.")
-        if mask.shape != image.shape[:2]:
-            raise ValueError(
-                f"Argument `mask` must have the {image.shape[0]}×{image.shape[1]} pixels of the image, but has "
-                f"{'×'.join(map(str, mask.shape))}."
-            )
-        if is_concrete(mask):
-            if not np.all((np.asarray(mask) >= 0) & (np.asarray(mask) <= 1)):
-                raise ValueError("Argument `mask` must lie between 0 and 1, but does not.")
-            if not np.any(np.asarray(mask) > 0):
-                raise ValueError(
-                    "Argument `mask` must leave something to compare, but hides the whole image."
-                )
         check_scalar("scatter", as_leaf(scatter), "", positive=True)
         if not 1 <= levels <= 12:
             raise ValueError(f"Argument `levels` must be 1 to 12, but is {levels}.")
         bright = luminance(image)
         middle = jnp.nanmedian(jnp.where(mask > 0, bright, jnp.nan))
-        if is_concrete(middle) and not float(middle) > 0:
-            raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
         self.image, self.mask, self.levels, self.middle = image, mask.astype(image.dtype), levels, middle
         self.weights, self.scatter = jnp.ones(levels, image.dtype), as_leaf(scatter).astype(image.dtype)
 
@@ -105,6 +90,33 @@ class PictureTarget(eqx.Module):
             rows.append((self.weights[level] * 2.0**level / self.scatter).astype(apart.dtype) * apart.ravel())
             apart = _halved(apart)
         return jnp.concatenate(rows)
+
+
+def check_light(image: Image, mask: Mask | None) -> None:
+    """Refuse an image that is not finite or holds no light, and a mask that does not fit it; what is traced passes.
+
+    **Raises:** `ValueError` with what is wrong.
+    """
+    if image.ndim != 3 or image.shape[-1] != 3:
+        raise ValueError(
+            f"Argument `image` must have the shape (rows, columns, 3), but has {tuple(image.shape)}."
+        )
+    if mask is not None and mask.shape != image.shape[:2]:
+        raise ValueError(
+            f"Argument `mask` must have the {image.shape[0]}×{image.shape[1]} pixels of the image, but has "
+            f"{'×'.join(map(str, mask.shape))}."
+        )
+    if not (is_concrete(image) and (mask is None or is_concrete(mask))):
+        return
+    if not np.all(np.isfinite(image)):
+        raise ValueError("Argument `image` must be finite, but is not: mask and fill what is unknown.")
+    seen = np.ones(image.shape[:2]) if mask is None else np.asarray(mask)
+    if not np.all((seen >= 0) & (seen <= 1)):
+        raise ValueError("Argument `mask` must lie between 0 and 1, but does not.")
+    if not np.any(seen > 0):
+        raise ValueError("Argument `mask` must leave something to compare, but hides the whole image.")
+    if not np.median(np.asarray(luminance(jnp.asarray(image)))[seen > 0]) > 0:
+        raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
 
 
 def _halved(values: Float[Array, "rows columns 3"]) -> Float[Array, "down across 3"]:

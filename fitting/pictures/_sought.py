@@ -104,7 +104,29 @@ def from_names(problem: PictureProblem, values: Mapping[str, float]) -> Array:
     names = [slot.name for slot in problem.slots]
     if sorted(values) != sorted(names):
         raise ValueError(f"Argument `begin` must name {', '.join(names)}, but names {', '.join(values)}.")
-    return problem.unconstrain(jnp.asarray([float(values[name]) for name in names]))
+    found = problem.unconstrain(jnp.asarray([float(values[name]) for name in names]))
+    for name, place in zip(names, np.asarray(found), strict=True):
+        if not np.isfinite(place):
+            raise ValueError(
+                f"Argument `begin` must hold numbers within their bounds, but `{name}` is {values[name]:g}."
+            )
+    return found
+
+
+def check_lesson(problem: PictureProblem, lesson: Lesson) -> None:
+    """Refuse a lesson of other statistics or of other free numbers.
+
+    **Raises:** `ValueError` with what it is of.
+    """
+    count, goals = (
+        len(problem.target.statistics.names),
+        sum(own.stop - own.start for _, own in places(problem)),
+    )
+    if lesson.summaries.middle.size != count or lesson.told.size != goals:
+        raise ValueError(
+            f"Argument `lesson` must be of the {count} statistics of this camera and of the {goals} goals of the free "
+            f"numbers, but is of {lesson.summaries.middle.size} and {lesson.told.size}: teach it anew."
+        )
 
 
 def goals(problem: PictureProblem, points: Float[np.ndarray, "scout p"]) -> Float[np.ndarray, "scout q"]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Complex, Float, Key
 
 from .._errors import FitError
 from . import _sought
@@ -17,13 +17,10 @@ from ._descent import PictureStep
 from ._photograph import Photograph
 from ._problem import PictureProblem, look
 from ._statistics_target import Seas, Vary, drawn_statistics
-from ._summaries import Lesson, Summaries, learn
+from ._summaries import Summaries
 
 DRAWN = 32
 """Pictures of a state from which the chance of its statistics is known."""
-
-SCOUTS = 100_000
-"""Between the seeds of scouts and of what is compared."""
 
 GAIN = 0.5
 """Least gain in half a χ² that is worth a step: that of one number which moves by one standard error. What a regression
@@ -36,7 +33,7 @@ LONGEST = 0.7
 @dataclass(frozen=True)
 class End:
     """Where the way down ends: the state, the statistics of its pictures, residuals (`count` of them of data), and
-    derivatives."""
+    derivatives; `steps`: those that led there, the start first."""
 
     cost: float
     free: Array
@@ -44,6 +41,7 @@ class End:
     rows: np.ndarray
     jacobian: np.ndarray
     count: int
+    steps: tuple[PictureStep, ...]
 
     def covariance(self) -> np.ndarray:
         """Of the free numbers."""
@@ -64,7 +62,6 @@ def descend(
     scattered: tuple[np.ndarray, np.ndarray],
     most_steps: int,
     seed: int,
-    steps: list[PictureStep],
     report: Callable[[PictureStep], None] | None,
 ) -> End:
     """Gauss–Newton steps, with means over many seas and derivatives over a few of them."""
@@ -91,11 +88,12 @@ def descend(
         cost = 0.5 * float(np.sum(rows**2))
         gained = np.inf if best is None else best.cost - cost
         if gained >= GAIN:
-            best, vain = End(cost, free, drawn, rows, jacobian, count), 0
+            before = () if best is None else best.steps
             values = problem.named(np.asarray(problem.constrain(free)))
-            steps.append(PictureStep(len(steps), 1, cost, values))
+            taken = PictureStep(len(before), 1, cost, values)
+            best, vain = End(cost, free, drawn, rows, jacobian, count, (*before, taken)), 0
             if report is not None:
-                report(steps[-1])
+                report(taken)
             step = np.clip(-np.linalg.lstsq(jacobian, rows)[0], -LONGEST, LONGEST)
             if cost - 0.5 * float(np.sum((rows + jacobian @ step) ** 2)) < GAIN:
                 break
@@ -110,32 +108,16 @@ def descend(
     return best
 
 
-def from_scouts(
-    problem: PictureProblem,
-    scouts: int,
-    seed: int,
-    before: Sequence[np.ndarray],
-    scouted: Callable[[np.ndarray], None] | None,
-) -> Lesson:
-    """What states from the priors teach, with one picture each; `before`, `scouted`: see `fit_photograph`."""
-    random = np.random.default_rng(seed)
-    points = np.stack([_sought.from_priors(problem, random) for _ in range(scouts)])
-    # Other seas than those that later make means and chances: these must not be what was learned from.
-    drawn = drawn_at(problem, points, seed + SCOUTS, before, scouted)
-    sound = np.all(np.isfinite(drawn), axis=1)
-    if np.mean(sound) < 0.5:
-        raise FitError(
-            "Most pictures of states from the priors are not finite",
-            "numbers that no scene has",
-            "give priors or bounds that hold only seas",
-        )
-    return learn(drawn[sound], _sought.goals(problem, points[sound]), problem.target.statistics.steady)
-
-
 def seas_of(photograph: Photograph, count: int, seed: int, vary: Vary | None) -> Seas:
     """So many seas of a state, the same for the same seed."""
-    keys = jax.random.split(jax.random.key(seed + 1), count)
-    return Seas(photograph, photograph.noises(count, seed), keys, vary)
+    return Seas(photograph, *_chance(photograph, count, seed), vary)
+
+
+def _chance(
+    photograph: Photograph, count: int, seed: int
+) -> tuple[Complex[Array, "sea pattern y x"], Key[Array, " sea"]]:
+    """Random numbers of the waves of so many seas, and keys for what else is drawn."""
+    return photograph.noises(count, seed), jax.random.split(jax.random.key(seed + 1), count)
 
 
 def drawn_at(
@@ -150,12 +132,14 @@ def drawn_at(
     **Arguments:** `before`: what `found_some` was called with for the first of these points.
     """
     found = [np.asarray(each, float) for each in before]
+    # However many seas derivatives are of: the same program.
+    problem = replace(problem, model=problem.model.some(1))
     # So many at a time that all pictures are drawn by one program.
     for part in range(DRAWN * len(found), len(points), DRAWN):
         some = points[part : part + DRAWN]
         whole = np.concatenate([some, np.broadcast_to(some[-1], (DRAWN - len(some), some.shape[1]))])
-        drawn = seas_of(problem.model.photograph, DRAWN, seed + part, None)
-        rows = drawn_statistics(problem, jnp.asarray(whole), drawn.noises, drawn.keys)
+        chance = _chance(problem.model.photograph, DRAWN, seed + part)
+        rows = drawn_statistics(problem, jnp.asarray(whole), *chance)
         found.append(np.asarray(rows, float)[: len(some)])
         if found_some is not None:
             found_some(found[-1])

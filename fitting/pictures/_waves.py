@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -128,9 +127,10 @@ def recover_waves(
     z = jnp.stack([scene.noise.real, scene.noise.imag]) * np.sqrt(2).astype(dtype)
     solver = optx.LBFGS(1e-12, 1e-12, history_length=MEMORY)
     value, parts = jax.eval_shape(_cost, z, sought)
-    begin = partial(solver.init, _cost, options={}, f_struct=value, aux_struct=parts, tags=frozenset())
+    # Another state from `init` holds other functions, and its step would be compiled again.
+    start = solver.init(_cost, z, sought, {}, value, parts, frozenset())
     # Its first step is as long as the slope: once to see that, and then from the start again with a fitting scale.
-    _, state = _step(solver, z, begin(y=z, args=sought), sought)
+    _, state = _step(solver, z, start, sought)
     steepest = float(jnp.max(jnp.abs(state.f_info.grad)))
     if not np.isfinite(steepest):
         raise FitError(
@@ -140,7 +140,7 @@ def recover_waves(
         )
     scale = jnp.asarray(FIRST / steepest if steepest > 0 else 1.0, dtype)
     sought = eqx.tree_at(lambda s: s.scale, sought, scale)
-    state = begin(y=z, args=sought)
+    state = start
     steps, costs, converged = [], [], False
     for number in range(most_steps + 1):
         # What a step evaluates is where the one before it led; if that is no better, it goes back halfway.

@@ -56,11 +56,12 @@ def read_image(path: str | os.PathLike) -> np.ndarray:
         pixels = np.asarray(imageio.imread(source, plugin="pillow", rotate=True, mode=mode))  # pyright: ignore[reportCallIssue]
     except (OSError, ValueError, SyntaxError) as problem:
         raise ValueError(
-            f"The image `{source}` cannot be read: it is damaged or of an unknown format."
+            f"The image `{source}` cannot be read, it is damaged or of an unknown format: give a PNG, JPEG or EXR."
         ) from problem
     if pixels.dtype.kind != "u" or pixels.ndim not in (2, 3):
         raise ValueError(
-            f"The image `{source}` must be one picture of whole numbers, but is {pixels.dtype} {pixels.shape}."
+            f"The image `{source}` must be one picture of whole numbers, but is {pixels.dtype} {pixels.shape}: save "
+            "one of its frames as a PNG."
         )
     planes = pixels[..., None] if pixels.ndim == 2 else pixels
     colours = planes[..., :3] if planes.shape[-1] >= 3 else np.repeat(planes[..., :1], 3, axis=-1)

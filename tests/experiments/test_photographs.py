@@ -15,9 +15,9 @@ from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
 from experiments.harness._progress import Silent
-from experiments.pictures import _image_views, _photographs, _unknown_scenes, _winds
+from experiments.pictures import _image_views, _lessons, _photographs, _unknown_scenes, _winds
 from fitting import FitError
-from fitting.pictures import Lesson, Photograph, PhotographFit, PictureStep
+from fitting.pictures import ImageStatistics, Lesson, Photograph, PhotographFit, PictureStep
 from fitting.pictures._summaries import learn
 from jaxocean import Wind
 from jaxocean.io import write_exr
@@ -59,23 +59,32 @@ class Watching(Silent):
         return advance
 
 
+class Calls(list):
+    """Fits that were asked for; `taught`: the scouts that each lesson began with."""
+
+    def __init__(self):
+        super().__init__()
+        self.taught = []
+
+
 @pytest.fixture
 def made_up(monkeypatch):
-    """Fits that find 9, 10, 11, … m/s within a tenth; pictures are even."""
-    calls = []
+    """Fits that find 9, 10, 11, … m/s within a tenth; pictures are even but for their horizon."""
+    calls = Calls()
 
-    def fit(photograph, free, image, *, mask, lesson, scouts_before, scouted, taught, **more):
+    def teach(photograph, free, size, *, mask, scouts_before, scouted, **more):
+        calls.taught.append(scouts_before)
+        names = ImageStatistics(photograph.scene.camera, size, mask).names
+        for batch in range(len(scouts_before), 3):
+            scouted(np.where(np.arange(len(names)) == 1, np.nan, np.full((2, 1), float(batch))))
+        rows = np.random.default_rng(0).normal(size=(4, len(names)))
+        plain = learn(rows, np.arange(12.0).reshape(4, 3), (True,) * len(names))
+        return Lesson(plain.summaries, np.array([0.8, 0.5, 0.1]))
+
+    def fit(photograph, free, image, *, mask, lesson, **more):
         begin, report = more.get("begin"), more.get("report")
         calls.append({"camera": photograph.scene.camera, "mask": mask, "lesson": lesson, "begin": begin})
-        calls[-1]["before"] = scouts_before
         number = len(calls)
-        if lesson is None:
-            for batch in range(len(scouts_before), 3):
-                scouted(np.full((2, 3), [batch, np.nan, 0.1]))
-        plain = learn(np.arange(8.0).reshape(4, 2), np.arange(12.0).reshape(4, 3), (True, True))
-        learned = Lesson(plain.summaries, np.array([0.8, 0.5, 0.1]))
-        if lesson is None:
-            taught(learned)
         values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}
         first = 5.0 if begin is None else begin["speed"]
         steps = tuple(PictureStep(i, 2, 3.0 - i, {**values, "speed": first + i}) for i in range(3))
@@ -98,7 +107,7 @@ def made_up(monkeypatch):
             steps,
             3.0,
             photograph,
-            learned,
+            lesson,
             image.shape[:2],
             slots,
         )
@@ -109,9 +118,11 @@ def made_up(monkeypatch):
         return resolve(photograph, free, 1)
 
     def even(self, size, method=None, detail=1):
-        rows = jnp.linspace(0.2, 1.0, size[0])[:, None, None]
-        return rows * (0.1 + 0.01 * self.scene.wind.speed.astype(rows.dtype)) * jnp.ones((*size, 3))
+        up = self.scene.camera.rays(size)[..., 2:]
+        sea = 0.1 + 0.01 * self.scene.wind.speed.astype(up.dtype)
+        return jnp.where(up > 0, jnp.asarray([0.8, 0.9, 1.0], up.dtype), sea)
 
+    monkeypatch.setattr(_lessons, "teach", teach)
     monkeypatch.setattr(_photographs, "fit_photograph", fit)
     monkeypatch.setattr(Photograph, "picture", even)
     return calls
@@ -223,9 +234,28 @@ def test_scouts_of_an_interrupted_fit_are_not_drawn_again(tmp_path, made_up):
     with pytest.raises(Interrupted, match="what is drawn of the random states"):
         execute(loaded, progress=Watching(stop_after=2))
     execute(loaded)
-    assert [len(call["before"]) for call in made_up] == [0, 2]
+    assert [len(before) for before in made_up.taught] == [0, 2]
     # Pictures that are not finite teach nothing, but count.
-    np.testing.assert_array_equal(made_up[1]["before"][1], np.full((2, 3), [1, np.nan, 0.1]))
+    np.testing.assert_array_equal(made_up.taught[1][1][:, :3], [[1, np.nan, 1]] * 2)
+
+
+@pytest.mark.parametrize("kept", ["lesson.scouts.jsonl", "lesson.npz"])
+def test_what_another_version_has_kept_is_named(tmp_path, made_up, kept):
+    loaded = load("unknown_seas", ["count=1", *SMALL], output=str(tmp_path))
+    with pytest.raises(Interrupted):
+        execute(loaded, progress=Watching(stop_after=2))
+    unfinished = next(tmp_path.glob(".*.unfinished"))
+    if kept == "lesson.npz":
+        other = learn(np.arange(8.0).reshape(4, 2), np.arange(4.0)[:, None], (True, True))
+        np.savez(unfinished / kept, **other.arrays)
+    else:
+        lines = (unfinished / kept).read_text().splitlines()
+        (unfinished / kept).write_text("\n".join(line.replace("NaN, ", "") for line in lines))
+    with pytest.raises(UserError, match="another version of jaxocean: repeat the run with --force"):
+        execute(loaded)
+    assert not made_up
+    execute(loaded, anew=True)
+    assert len(made_up.taught[-1]) == 0
 
 
 def noisy(rows, columns):
@@ -254,9 +284,20 @@ def noisy(rows, columns):
             "hides the whole image",
         ),
         (
-            lambda folder: [f"image={save(folder, sea_and_sky())}", "camera.pitch=-1.0", "camera.roll=0.0"],
-            "hardly a pixel lies below the horizon",
+            lambda folder: [
+                f"image={save(folder, sea_and_sky())}",
+                f"mask={save(folder, np.repeat(np.arange(90)[:, None] < 38, 160, 1).astype(np.uint8) * 255, 'm.png')}",
+                "camera.pitch=0.03",
+                "camera.roll=0.0",
+            ],
+            "m.png` hides the sea",
         ),
+        (
+            lambda folder: [f"image={save(folder, sea_and_sky())}", "camera.pitch=-1.0", "camera.roll=0.0"],
+            "Key `camera.pitch`: .* sees no sea",
+        ),
+        (lambda folder: [f"image={save(folder, np.zeros((90, 160, 3), np.uint8))}"], "shows nothing"),
+        (lambda folder: [f"image={save(folder, np.full((90, 160, 3), 255, np.uint8))}"], "shows nothing"),
     ],
 )
 def test_what_is_no_photograph_of_the_sea_ends_in_one_sentence(tmp_path, prepare, words):
@@ -264,7 +305,7 @@ def test_what_is_no_photograph_of_the_sea_ends_in_one_sentence(tmp_path, prepare
     with pytest.raises(UserError, match=words) as problem:
         execute(loaded)
     assert "\n" not in str(problem.value)
-    assert not [path for path in (tmp_path / "runs").glob("fit_image*") if path.is_dir()]
+    assert not list((tmp_path / "runs").iterdir())
 
 
 def test_a_corrupt_file_is_named(tmp_path):
@@ -308,9 +349,14 @@ def test_pitch_and_roll_are_given_together():
 def test_unknown_seas_are_counted_and_share_a_lesson(tmp_path, made_up):
     loaded = load("unknown_seas", ["count=4", *SMALL], output=str(tmp_path))
     with pytest.raises(Interrupted):
-        execute(loaded, Watching(stop_after=2))
+        execute(loaded, Watching(stop_after=5))
     finished = execute(loaded)
-    assert [call["lesson"] is None for call in made_up] == [True, False, False, False]
+    assert len(made_up) == 4
+    assert len(made_up.taught) == 1
+    # The tilt is from the horizon, and so nearly that of the camera which is drawn.
+    for call in made_up:
+        np.testing.assert_allclose([call["camera"].pitch, call["camera"].roll], [0.08, 0.03], atol=2e-3)
+        assert float(call["camera"].pitch) != float(np.float32(0.08))
     values = result_of(finished)
     true = [float(_unknown_scenes.draw(loaded.config, i).scene.wind.speed) for i in range(4)]
     off = np.abs(np.log(np.array([9.0, 10.0, 11.0, 12.0]) / true))

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import fitting
+from experiments import schema
 from experiments.harness._errors import Interrupted, UserError
 from experiments.harness._execute import execute
 from experiments.harness._loading import load
@@ -165,6 +166,17 @@ def test_joint_targets_go_on_after_an_interruption(tmp_path, monkeypatch):
     assert calls[3] == calls[4]
 
 
+def test_joint_fits_begin_away_from_the_truth():
+    config = schema.JointTargetsConfig(
+        cascade=schema.CascadeConfig(sizes=(50.0,), resolution=8), breaking_wavenumber=0.3, away=0.2
+    )
+    truth = joint_targets._truth(config)
+    start = joint_targets._away(config, truth)
+    ratios = np.array(joint_targets._free(start)) / np.array(joint_targets._free(truth))
+    np.testing.assert_allclose(ratios, [0.8, 1.2, 1.2], rtol=1e-6)
+    assert start.threshold.dtype == truth.threshold.dtype
+
+
 def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tmp_path, monkeypatch):
     seen = []
 
@@ -190,7 +202,7 @@ def test_a_picture_beside_a_law_and_slopes_narrows_the_region_of_both_numbers(tm
     monkeypatch.setattr(joint_targets, "fit_picture", fit)
     monkeypatch.setattr(joint_targets.fitting, "profile", profile)
     monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
-    values = ["height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
+    values = ["height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32", "away=0"]
     finished = execute(load("joint_targets", [*values, "breaking_wavenumber=4.0"], output=str(tmp_path)))
     # The picture alone sets the weight; then all three, free and with λ held.
     assert seen == [(False, False, 1.0), (False, True, 3.0), *[(True, True, 3.0)] * 7]

@@ -18,11 +18,12 @@ from fitting.pictures import (
     TiltedSpectrum,
     UncertainSea,
     fit_photograph,
+    teach,
 )
-from fitting.pictures._fit_photograph import METHOD
 from fitting.pictures._summaries import learn
+from fitting.pictures._teach import METHOD
 from jaxocean.optics.sky import CloudySky, HosekWilkie
-from jaxocean.render import Camera, Rays
+from jaxocean.render import Camera, Raster, Rays
 
 SIZE = (90, 160)
 CASCADE = jo.surface.Cascade((40.0,), 32)
@@ -185,6 +186,66 @@ def test_pictures_of_a_fit_have_the_texture_of_finer_ones():
     assert np.sqrt(np.mean(np.square(off)[:, textures])) < 0.04
 
 
+NUMBERS = ("speed", "sun elevation", "sun azimuth", "cover", "excess", "contrast", "blur", "chlorophyll")
+
+
+@pytest.fixture(scope="module")
+def differentiate():
+    """Statistics of a picture, drawn in doubles, and their derivatives in `NUMBERS`, all in one program."""
+    size, camera = (48, 64), Camera((0.0, 0.0, 12.0), pitch=0.15, roll=0.05, field_of_view=0.5)
+    cascade = jo.surface.Cascade((60.0, 9.0), 32)
+    noise = jo.surface.draw_noise(cascade, key=jax.random.key(2))
+    statistics = ImageStatistics(camera, size)
+
+    def of(x):
+        speed, elevation, azimuth, cover, excess, contrast, blur, chlorophyll = x
+        state = SceneModel(
+            jo.Wind(speed, 0.3),
+            camera,
+            cascade=cascade,
+            noise=noise,
+            spectrum=UncertainSea(),
+            sky=CloudySky(HosekWilkie(3.0, sun_elevation=elevation, sun_azimuth=azimuth), cover),
+            water=jo.optics.Water(chlorophyll),
+            breaking_wavenumber=2.5,
+        )
+        seen = Photograph(state, excess=excess, contrast=contrast, blur=blur)
+        return statistics(seen.picture(size, Raster(1.0)))
+
+    @jax.jit
+    def along_all(x):
+        values, changes = jax.lax.map(lambda way: jax.jvp(of, (x,), (way,)), jnp.eye(len(NUMBERS)))
+        return values[0], changes
+
+    return along_all
+
+
+USUAL = (10.0, 0.6, 0.2, 0.3, 0.2, 1.1, 0.05, 0.2)
+
+
+@pytest.mark.slow
+def test_statistics_of_a_picture_follow_wind_light_foam_and_camera(differentiate):
+    x = jnp.array(USUAL)
+    _, found = differentiate(x)
+    for number, name in enumerate(NUMBERS):
+        step = 1e-4 * jnp.eye(len(NUMBERS))[number]
+        expected = (differentiate(x + step)[0] - differentiate(x - step)[0]) / 2e-4
+        off = np.linalg.norm(expected - found[number]) / np.linalg.norm(expected)
+        assert off < 1e-3, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "value"),
+    [(0, 1e-3), (1, np.pi / 2), (1, -0.4), (2, np.pi), (3, 1.0), (3, 0.0), (4, -9.0)],
+    ids=["calm sea", "sun at the zenith", "night", "sun behind", "overcast", "clear sky", "no foam"],
+)
+def test_statistics_of_a_picture_are_finite_in_extreme_scenes(differentiate, number, value):
+    values, changes = differentiate(jnp.array(USUAL).at[number].set(value))
+    assert np.all(np.isfinite(values))
+    assert np.all(np.isfinite(changes))
+
+
 def test_a_photograph_breaks_as_the_law_says():
     photograph = Photograph(scene(11.0), excess=0.3)
     broken = jax.jit(lambda p: p.breaking().ocean().coverage())(photograph)
@@ -255,17 +316,9 @@ def fitted():
     """A fit to a picture of waves that the model does not hold, and what it told on its way."""
     truth = toy(12.0, 0.4)
     image = truth.pictures(truth.noises(1, 77), SIZE)[0]
-    told = {"steps": [], "scouts": [], "lesson": None}
-    found = fit_photograph(
-        toy(),
-        FREE,
-        np.asarray(image),
-        scouts=256,
-        seas=4,
-        report=told["steps"].append,
-        scouted=told["scouts"].append,
-        taught=lambda lesson: told.update(lesson=lesson),
-    )
+    told = {"steps": [], "scouts": []}
+    lesson = teach(toy(), FREE, SIZE, scouts=256, scouted=told["scouts"].append)
+    found = fit_photograph(toy(), FREE, np.asarray(image), lesson=lesson, seas=4, report=told["steps"].append)
     return image, found, told
 
 
@@ -283,44 +336,33 @@ def test_the_state_is_found_within_its_interval_and_the_way_is_told(fitted):
 
 
 def test_a_lesson_and_a_beginning_lead_to_the_same_place(fitted):
-    image, found, told = fitted
-    lesson = told["lesson"]
-    again = Lesson.of(lesson.arrays)
-    scouts = []
-    found_again = fit_photograph(
-        toy(),
-        FREE,
-        np.asarray(image),
-        seas=4,
-        lesson=again,
-        begin=found.values,
-        scouted=scouts.append,
-    )
-    assert not scouts
+    image, found, _ = fitted
+    again = Lesson.of(found.lesson.arrays)
+    found_again = fit_photograph(toy(), FREE, np.asarray(image), seas=4, lesson=again, begin=found.values)
     assert found_again.values["speed"] == pytest.approx(found.values["speed"], rel=0.05)
     with pytest.raises(ValueError, match="Argument `begin`"):
         fit_photograph(toy(), FREE, np.asarray(image), lesson=again, begin={"speed": 3.0})
 
 
 def test_scouts_drawn_before_teach_the_same(fitted):
-    image, found, told = fitted
-    drawn, lessons = [], []
-    again = fit_photograph(
-        toy(),
-        FREE,
-        np.asarray(image),
-        scouts=256,
-        seas=4,
-        scouts_before=told["scouts"][:7],
-        scouted=drawn.append,
-        taught=lessons.append,
-    )
+    _, found, told = fitted
+    drawn = []
+    again = teach(toy(), FREE, SIZE, scouts=256, scouts_before=told["scouts"][:7], scouted=drawn.append)
     assert len(drawn) == 1
     np.testing.assert_allclose(drawn[0], told["scouts"][7], rtol=1e-6)
-    np.testing.assert_allclose(again.guess["speed"], found.guess["speed"], rtol=1e-6)
+    np.testing.assert_allclose(again.summaries.weights, found.lesson.summaries.weights, rtol=1e-6, atol=1e-9)
     for wrong in (told["scouts"][0][:5], told["scouts"][0][:, 1:]):
         with pytest.raises(ValueError, match="Argument `scouts_before`"):
-            fit_photograph(toy(), FREE, np.asarray(image), scouts=256, scouts_before=[wrong])
+            teach(toy(), FREE, SIZE, scouts=256, scouts_before=[wrong])
+
+
+def test_scouts_whose_pictures_are_not_finite_teach_nothing_and_are_counted(fitted):
+    _, found, told = fitted
+    some = [each.copy() for each in told["scouts"]]
+    some[3][5:8, 0] = np.nan
+    with pytest.warns(UserWarning, match="3 of 256 random states teach nothing"):
+        lesson = teach(toy(), FREE, SIZE, scouts=256, scouts_before=some)
+    assert len(lesson.summaries.known) == len(found.lesson.summaries.known) - 3
 
 
 def test_a_step_can_be_looked_at(fitted):
@@ -334,6 +376,11 @@ def test_a_step_can_be_looked_at(fitted):
     ("change", "words"),
     [
         ({"scouts": 3}, "Argument `scouts`"),
+        ({"image": np.full((*SIZE, 3), np.nan)}, "must be finite"),
+        ({"image": np.zeros((*SIZE, 3))}, "must hold light"),
+        ({"begin": {"speed": -3.0, "sun_azimuth": 0.0}}, "`speed` is -3"),
+        ({"lesson": learn(np.eye(4), np.eye(4)[:, :3], (True,) * 4)}, "Argument `lesson`"),
+        ({"detail": 0}, "Argument `detail`"),
         ({"seas": 0}, "Argument `seas`"),
         ({"seas": 33}, "Argument `seas`"),
         ({"mask": np.zeros(SIZE)}, "Argument `mask`"),
