@@ -74,6 +74,8 @@ def find_horizon(
 
     **Raises:** `ValueError` for an image of fewer than 16 pixels a side or a mask of another size; `FitError` if there
     is no line along which the image changes much more than by chance.
+
+    **Source:** Hotelling 1931 for T²; the rest is our own.
     """
     image = np.asarray(image, float)
     rows, columns, _ = image.shape

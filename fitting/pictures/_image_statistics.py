@@ -90,6 +90,8 @@ class ImageStatistics(eqx.Module):
     what each pixel counts, 0 to 1.
 
     **Raises:** `ValueError` for a camera that sees no sea, or a mask of another size.
+
+    **Source:** Mosteller & Tukey 1977 for the biweight; the choice of numbers is our own.
     """
 
     bands: Float[Array, "band rows columns"]

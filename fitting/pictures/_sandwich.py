@@ -15,7 +15,7 @@ def sandwich(
 ) -> Float[np.ndarray, "p p"]:
     """Covariance of fitted numbers from how differently the parts of an image pull at them.
 
-    $$ C = H^{-1} \\Big(\frac{B}{B - 1} \\sum_b g_b g_b^T + H_p\\Big) H^{-1}, \\quad
+    $$ C = H^{-1} \\Big(\\frac{B}{B - 1} \\sum_b g_b g_b^T + H_p\\Big) H^{-1}, \\quad
        g_b = \\sum_{i ∈ b} g_i, \\quad H = J^T J + H_p $$
 
     Unlike σ²H⁻¹ it asks neither for independent pixels nor for a scatter that is the same everywhere.

@@ -27,6 +27,8 @@ class TiltedSpectrum(AbstractSpectrum):
        k_0 = 3\\,\\mathrm{rad/m},\\; k_1 = 40\\,\\mathrm{rad/m} $$
 
     **Arguments:** `spectrum` Ψ; `level` a, `tilt` b and `ripples` c [-].
+
+    **Source:** Cox & Munk 1954 for films that damp ripples; the factors are our own.
     """
 
     spectrum: AbstractSpectrum
