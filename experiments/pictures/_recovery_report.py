@@ -22,6 +22,8 @@ def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result
     values = {
         "seas": len(recoveries),
         "recovered": int(np.sum(whole)),
+        "recovered_by_rays": sum(ok for ok, each in zip(whole, found, strict=True) if each.rays),
+        "seas_by_rays": sum(each.rays for each in recoveries),
         "failed": len(recoveries) - len(found),
         "interval_coverage": float(np.mean(holds)) if found else float("nan"),
         "interval_coverage_of": dict(zip(FREE, holding, strict=True)),
@@ -115,12 +117,19 @@ def report(config: schema.PictureRecoveryConfig, recoveries: Sequence, result: R
         f"A fit takes {v['seconds_median']:.0f} s in the median and {v['seconds_most']:.0f} s at most, without "
         "compilation.",
     ]
+    finish = (
+        "The last pictures of a fit are drawn as a mesh and by rays, of which those count that explain the picture "
+        "better."
+        if config.finish == "better"
+        else "Fits draw nothing but meshes: what draws pictures by rays is unknown to them, but for its part in the "
+        "errors."
+    )
     failures = [f"Sea {each.number}: {each.failure}" for each in recoveries if each.failure]
     setting = (
         f"targets with {config.detail}² times as many pixels, averaged; seed {config.seed}; the random numbers of "
         "the waves, the camera and the sun's azimuth are known"
     )
-    page_words = [*words, *failures, "![Target, start, found, and what remains](pictures.png)"]
+    page_words = [*words, finish, *failures, "![Target, start, found, and what remains](pictures.png)"]
     return page(
         "Seas found again in pictures", page_words, result.tables, picture="recovered", setting=setting
     )

@@ -108,7 +108,7 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
             start,
             _recovery_scenes.free,
             PictureTarget(image),
-            finish=_recovery_scenes.FINISHES,
+            finish=_recovery_scenes.FINISHES[: 1 if config.finish == "raster" else None],
             detail=_recovery_scenes.FINER,
             doubts=_recovery_scenes.DOUBTS,
             scouts=SCOUTS,

@@ -49,6 +49,11 @@ class PictureRecoveryConfig(ExperimentConfig):
     targets: Literal["alternate", "rays", "raster"] = key(
         "alternate", meaning="what draws the pictures: rays, a fine mesh, or these by turns"
     )
+    finish: Literal["better", "raster"] = key(
+        "better",
+        meaning="what draws the last pictures of a fit: mesh or rays, whichever explains the picture better, or the "
+        "mesh alone, so that no fit knows what draws pictures by rays",
+    )
     detail: int = key(4, meaning="times as many rows and columns in them, averaged", ge=1, le=8)
     height: int = key(180, unit="px", meaning="rows", ge=16, le=2048)
     width: int = key(320, unit="px", meaning="columns", ge=16, le=2048)

@@ -17,6 +17,7 @@ from experiments.harness._progress import Silent
 from experiments.pictures import _recovery_scenes, joint_targets, picture_recovery
 from fitting import FitError
 from fitting.pictures import PictureFit
+from jaxocean.render import Raster, Rays
 
 SMALL = ["truths.count=6", "height=18", "width=32", "cascade.sizes=[120.0,17.0]", "cascade.resolution=32"]
 ERRORS = np.array([0.1, 0.01, 0.01, 0.005, 0.01, 0.02])
@@ -37,15 +38,22 @@ class Watching(Silent):
         return advance
 
 
+class Fits(list):
+    """Numbers of the fits that were asked for, and with what the last one was to finish."""
+
+    finish = ()
+
+
 @pytest.fixture
 def made_up(monkeypatch):
     """Fits that are off by a tenth, one and two standard errors in turn; every fifth leads nowhere."""
-    fits = []
+    fits = Fits()
 
     def target(scene, size, detail, method):
         return jnp.full((*size, 3), 0.1 + 0.01 * scene.wind.speed)
 
-    def fit(start, free, target, **_):
+    def fit(start, free, target, *, finish, **_):
+        fits.finish = finish
         number = len(fits)
         fits.append(number)
         if number % 5 == 4:
@@ -79,6 +87,8 @@ def test_seas_are_counted_as_they_are_found_and_an_interrupted_search_goes_on(tm
     # Off by 0.1, 1, 2, 0.1 and 2 errors: sea 4 led nowhere; 1.645 errors hold three of five.
     assert values["interval_coverage"] == pytest.approx(0.6)
     assert values["recovered"] == 5
+    assert (values["recovered_by_rays"], values["seas_by_rays"]) == (2, 3)
+    assert {type(each) for each in made_up.finish} == {Raster, Rays}
     report = (finished.folder / "report.md").read_text()
     assert "**5 of 6 seas**" in report
     assert "Sea 4: The fit did not come to rest" in report
@@ -86,6 +96,14 @@ def test_seas_are_counted_as_they_are_found_and_an_interrupted_search_goes_on(tm
         off = np.abs(data["wind_speed_found"] - data["wind_speed_truth"])
         np.testing.assert_allclose(off, [0.01, 0.1, 0.2, 0.01, np.nan, 0.2], atol=1e-5)
     assert {"recovered.png", "pictures.png"} <= set(finished.files())
+
+
+def test_fits_that_are_to_know_no_rays_finish_with_a_mesh(tmp_path, made_up):
+    finished = execute(
+        load("picture_recovery", [*SMALL, "finish=raster", "truths.count=1"], output=str(tmp_path))
+    )
+    assert {type(each) for each in made_up.finish} == {Raster}
+    assert "nothing but meshes" in (finished.folder / "report.md").read_text()
 
 
 def test_limits_that_no_sea_meets_are_named(tmp_path, monkeypatch):
