@@ -187,13 +187,14 @@ def plot(store: Files, inferred: Sequence[Inferred], level: float, labels: bool)
         (f"Fit, with {100 * level:g} % intervals", np.asarray([each.found for each in found]), _plots.BLUE),
         ("Bright pixels through Monahan 1980", np.asarray([each.from_foam for each in found]), _plots.ORANGE),
     )
+    every = [value for each in found for value in (each.low, each.high, each.from_foam)]
+    ends = np.array([0.9 * min([2.2, *every]), 1.1 * max([27.0, *every])])
     with _plots.figure(1, 2, size=(10.5, 5.2), sharey=True) as (fig, axes):
         for number, (axis, (title, values, colour)) in enumerate(zip(axes, panels, strict=True)):
             errors = None
             if number == 0 and found:
                 errors = np.abs([[each.found - each.low, each.high - each.found] for each in found]).T
             axis.errorbar(true, values, yerr=errors, fmt="o", ms=5, lw=1.2, color=colour)
-            ends = np.array([2.0, 30.0])
             axis.plot(ends, ends, color=_plots.GREY, lw=1, label="truth")
             axis.fill_between(
                 ends, 0.85 * ends, 1.15 * ends, color=_plots.GREY, alpha=0.15, lw=0, label="± 15 %"
@@ -203,12 +204,14 @@ def plot(store: Files, inferred: Sequence[Inferred], level: float, labels: bool)
                     axis.annotate(
                         each.name, (each.true, value), (4, 4), textcoords="offset points", fontsize=7
                     )
-            axis.set(xscale="log", yscale="log", xlabel="true U10 (m/s)", xlim=(2.5, 24.0), ylim=(2.0, 30.0))
+            axis.set(xscale="log", yscale="log", xlabel="true U10 (m/s)", xlim=(2.5, 24.0), ylim=ends)
             for side in (axis.xaxis, axis.yaxis):
                 side.set_major_formatter(lambda value, _: f"{value:g}")
                 side.set_minor_formatter(lambda value, _: "")
             axis.set_xticks([3, 5, 10, 20])
-            axis.set_yticks([2, 3, 5, 10, 20, 30])
+            axis.set_yticks(
+                [tick for tick in (0.5, 1, 2, 3, 5, 10, 20, 30, 50) if ends[0] <= tick <= ends[1]]
+            )
             axis.set_title(title)
         axes[0].set_ylabel("found U10 (m/s)")
         axes[0].legend(loc="upper left")
