@@ -39,6 +39,9 @@ PLACES: dict[str, Callable] = {
 
 HIGHEST_SUN = 1.45
 TURBIDITY, CHLOROPHYLL, OPEN, BLUR = 3.5, 0.15, 0.3, 0.07
+SUN = 0.7
+"""Elevation [rad] that is expected."""
+
 WAVE_AGE, DEVELOPED = 1.0, 0.84
 """Ω [-]: most seas are still growing a little; that of a fully developed one."""
 
@@ -140,11 +143,16 @@ def start(
         noise=jo.surface.draw_noise(cascade, key=jax.random.key(seed)),
         breaking_wavenumber=min(BREAKING, float(cascade.wavenumber_limit)),
         spectrum=UncertainSea(ElfouhailySea(WAVE_AGE)),
-        sky=CloudySky(HosekWilkie(TURBIDITY, sun_elevation=0.7), OPEN),
+        sky=CloudySky(HosekWilkie(TURBIDITY, sun_elevation=SUN), OPEN),
         water=jo.optics.Water(CHLOROPHYLL),
         afloat=config.afloat,
     )
     return Photograph(scene, blur=BLUR)
+
+
+def before(config: schema.FitImageConfig) -> dict[str, float]:
+    """What is expected of the free numbers before an image is seen."""
+    return dict(zip(PLACES, (config.inference.median_wind, SUN, 0.0, OPEN), strict=True))
 
 
 def fit(image: Taken, config: PhotographsConfig, lesson: Lesson, **options) -> PhotographFit:

@@ -21,7 +21,7 @@ LEVEL = 0.08, 0.03
 """Pitch and roll [rad] of a picture that is made here."""
 
 FRAMES = 6
-"""Steps of the filmstrip, at most."""
+"""Of the filmstrip, at most."""
 
 STEPS = "steps.jsonl"
 """Keeps each step of the way until the run is finished."""
@@ -48,7 +48,7 @@ def run(config: schema.FitImageConfig, progress: Reporter, store: Files) -> Resu
         raise UserError(f"Key `image`: {problem}") from problem
     progress.step("Drawing what was found")
     _image_views.plot(store, config, taken, found)
-    _image_views.strip(store, taken, _frames(found, _way(store)), found)
+    _image_views.strip(store, taken, _frames(found, _photographs.before(config), _way(store)), found)
     _image_views.plot_statistics(store, found)
     _image_views.save(store, found)
     result = _image_report.result(config, found, truth)
@@ -97,13 +97,14 @@ def _way(store: Files) -> list[dict[str, float]]:
     return ways
 
 
-def _frames(found: PhotographFit, ways: list[dict[str, float]]) -> list[tuple[str, np.ndarray]]:
-    """Pictures of some steps of the way, with the same waves, the last one what was found."""
-    chosen = np.unique(np.linspace(0, len(ways) - 1, FRAMES).round().astype(int))
+def _frames(
+    found: PhotographFit, before: dict[str, float], ways: list[dict[str, float]]
+) -> list[tuple[str, np.ndarray]]:
+    """What was expected, and some steps of the way, the last one what was found: pictures with the same waves."""
+    chosen = np.unique(np.linspace(0, len(ways) - 1, FRAMES - 1).round().astype(int))
     rows, columns = found.size
     frames = []
-    for number in chosen:
-        values = ways[number]
+    for words, values in [("expected", before), *((f"step {number}", ways[number]) for number in chosen)]:
         picture = _photographs.drawn(found.at(values), (2 * rows, 2 * columns))
-        frames.append((f"step {number}: {values[_photographs.WIND]:.1f} m/s", picture))
+        frames.append((f"{words}: {values[_photographs.WIND]:.1f} m/s", picture))
     return [(title, np.asarray(picture)) for title, picture in jax.block_until_ready(frames)]

@@ -224,7 +224,7 @@ def test_an_interrupted_fit_goes_on_from_its_last_step(tmp_path, made_up, monkey
     assert made_up[1]["begin"]["speed"] == 6.0
     # Steps from before the interruption are shown too, and the one from which it went on once.
     titles = [title for title, _ in shown]
-    assert titles == [f"step {number}: {5 + number}.0 m/s" for number in range(4)]
+    assert titles == ["expected: 8.5 m/s", *(f"step {number}: {5 + number}.0 m/s" for number in range(4))]
     np.testing.assert_allclose(made_up[1]["lesson"].told, [0.8, 0.5, 0.1])
 
 
