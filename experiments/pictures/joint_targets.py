@@ -240,9 +240,9 @@ def _with_picture(
     """All three at once, and again with λ held at values around what was found."""
     best = _fit(kept, "all", start, image, beside, _prior(config))
     advance()
-    # Closer and closer by: far off it shows the valley, nearby what the interval is.
+    # Closer by, the cost is as rough as pictures are where crests move across pixels.
     reach = DOUBTED * best.errors["choppiness"]
-    grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points) ** 3
+    grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points)
     costs, values = [], []
     for value in grid:
         begin = {**best.values, "choppiness": value}

@@ -22,6 +22,13 @@ STRIP = 0.06
 BLOCKS = 24
 """Parts of the width that are taken to differ by chance."""
 
+SMOOTH = 1e-2
+"""Change of light from pixel to pixel below which everything is smooth: noise of cameras, and slow gradients."""
+
+ALIKE = 0.02, 0.01, 0.01, 0.05
+"""What chance is at least, of light, two colours and roughness: a sky without noise changes little, but everywhere
+alike."""
+
 LEAST = 15.0
 """How many times larger than by chance the step across it must be to count as a horizon."""
 
@@ -148,7 +155,7 @@ def _features(image: np.ndarray, reduced: float) -> np.ndarray:
     rough = ndimage.uniform_filter(rough, 3)
     planes = own, logarithm[..., 0] - logarithm[..., 1], logarithm[..., 2] - logarithm[..., 1], rough
     *others, rough = (_reduced(plane, reduced) for plane in planes)
-    return np.stack([*others, np.log(rough + 1e-3)])
+    return np.stack([*others, np.log(rough + SMOOTH)])
 
 
 def _reduced(plane: np.ndarray, factor: float) -> np.ndarray:
@@ -173,7 +180,7 @@ def _step(sums: np.ndarray, middle: float, tilt: float, strip: float) -> float:
 
 
 def _spread(changes: np.ndarray) -> np.ndarray:
-    return np.atleast_2d(np.cov(changes.T)) + 1e-4 * np.eye(changes.shape[1])
+    return np.atleast_2d(np.cov(changes.T)) + np.diag(np.square(ALIKE[: changes.shape[1]]))
 
 
 def _changes(sums: np.ndarray, middle: float, tilt: float, strip: float) -> np.ndarray:
