@@ -195,14 +195,13 @@ def _changes(sums: np.ndarray, middle: float, tilt: float, strip: float) -> np.n
         return nothing
     on, over, under = (_at(sums, edge) for edge in (line, line - strip, line + strip))
     above, below = on - over, under - on
-    whole = np.minimum(above[-1], below[-1])
-    changes = []
-    for part in np.array_split(np.flatnonzero(inside), BLOCKS):
-        if np.sum(whole[part]) < 0.25 * strip * part.size:
-            continue
-        upper, lower = (side[:-1, part].sum(axis=1) / side[-1, part].sum() for side in (above, below))
-        changes.append(lower - upper)
-    return np.stack(changes) if changes else nothing
+    seen = np.flatnonzero(inside)
+    parts = np.linspace(0, seen.size, min(BLOCKS, seen.size) + 1).astype(int)
+    upper, lower = (np.add.reduceat(side[:, seen], parts[:-1], axis=1) for side in (above, below))
+    whole = np.add.reduceat(np.minimum(above[-1], below[-1])[seen], parts[:-1])
+    enough = whole >= 0.25 * strip * np.diff(parts)
+    upper, lower = upper[:, enough], lower[:, enough]
+    return (lower[:-1] / lower[-1] - upper[:-1] / upper[-1]).T
 
 
 def _at(sums: np.ndarray, row: np.ndarray) -> np.ndarray:

@@ -227,21 +227,24 @@ USUAL = (10.0, 0.6, 0.2, 0.3, 0.2, 1.1, 0.05, 0.2)
 def test_statistics_of_a_picture_follow_wind_light_foam_and_camera(differentiate):
     x = jnp.array(USUAL)
     _, found = differentiate(x)
-    for number, name in enumerate(NUMBERS):
-        step = 1e-4 * jnp.eye(len(NUMBERS))[number]
-        expected = (differentiate(x + step)[0] - differentiate(x - step)[0]) / 2e-4
-        off = np.linalg.norm(expected - found[number]) / np.linalg.norm(expected)
-        assert off < 1e-3, name
+    # Scaled so that each number changes them about as much, in two directions so that none hides another.
+    scale = np.array([1.0, 0.2, 0.1, 2.0, 5.0, 0.5, 0.2, 5.0])
+    for way in (scale, scale * np.array([1, -1, 1, -1, -1, 1, -1, 1])):
+        expected = (differentiate(x + 1e-5 * way)[0] - differentiate(x - 1e-5 * way)[0]) / 2e-5
+        off = np.linalg.norm(expected - way @ np.asarray(found)) / np.linalg.norm(expected)
+        assert off < 1e-3
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("number", "value"),
-    [(0, 1e-3), (1, np.pi / 2), (1, -0.4), (2, np.pi), (3, 1.0), (3, 0.0), (4, -9.0)],
-    ids=["calm sea", "sun at the zenith", "night", "sun behind", "overcast", "clear sky", "no foam"],
+    "changed",
+    [{0: 1e-3, 2: np.pi}, {1: np.pi / 2, 3: 1.0}, {1: -0.4, 3: 0.0, 4: -9.0}],
+    ids=["calm sea, sun behind", "sun at the zenith, overcast", "clear night, no foam"],
 )
-def test_statistics_of_a_picture_are_finite_in_extreme_scenes(differentiate, number, value):
-    values, changes = differentiate(jnp.array(USUAL).at[number].set(value))
+def test_statistics_of_a_picture_are_finite_in_extreme_scenes(differentiate, changed):
+    x = np.array(USUAL)
+    x[list(changed)] = list(changed.values())
+    values, changes = differentiate(jnp.asarray(x))
     assert np.all(np.isfinite(values))
     assert np.all(np.isfinite(changes))
 
