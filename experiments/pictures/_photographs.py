@@ -1,4 +1,4 @@
-"""What experiments on photographs share: what is sought, what is not known besides, and what is kept of a fit."""
+"""What experiments on photographs share: what is sought, and what is not known besides."""
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache

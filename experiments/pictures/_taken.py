@@ -114,6 +114,8 @@ def _check_sea(
         else:
             words = f"Key `camera.pitch`: a camera that looks {-config.pitch:+.2f} rad up sees no sea: give another"
         raise UserError(f"{words}.") from problem
+    if taken.mask is None:
+        return
     try:
         ImageStatistics(taken.camera, taken.size, taken.mask)
     except ValueError as problem:

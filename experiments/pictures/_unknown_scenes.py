@@ -105,7 +105,7 @@ def taken(config: schema.UnknownSeasConfig, state: Photograph) -> Taken:
     size = larger * rows, larger * columns(rows)
     light = np.asarray(picture(state, size, config.targets, config.detail // larger))
     unknown = config.camera.model_copy(update={"pitch": None, "roll": None})
-    return made_ready(light, None, unknown, rows, "picture")
+    return made_ready(light, None, unknown, rows, "the picture that is made here", "camera")
 
 
 def columns(rows: int) -> int:

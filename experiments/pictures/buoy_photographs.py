@@ -97,6 +97,7 @@ def _infer(
         image = _taken(config, folder / file)
     except UserError as problem:
         return _failed(file, name, true, problem)
+    # A `UserError` from here on is about what is kept, and ends the run.
     learned = unfinished / f"{re.sub(r'[^A-Za-z0-9.-]', '_', file)}.npz"
     try:
         lesson = _lessons.learned(image.camera, image.size, image.mask, config, keep=learned)

@@ -106,16 +106,17 @@ def check_light(image: Image, mask: Mask | None) -> None:
             f"Argument `mask` must have the {image.shape[0]}×{image.shape[1]} pixels of the image, but has "
             f"{'×'.join(map(str, mask.shape))}."
         )
-    if not (is_concrete(image) and (mask is None or is_concrete(mask))):
-        return
-    if not np.all(np.isfinite(image)):
+    if is_concrete(image) and not np.all(np.isfinite(image)):
         raise ValueError("Argument `image` must be finite, but is not: mask and fill what is unknown.")
-    seen = np.ones(image.shape[:2]) if mask is None else np.asarray(mask)
+    seen = np.ones(image.shape[:2]) if mask is None else mask
+    if not is_concrete(seen):
+        return
+    seen = np.asarray(seen)
     if not np.all((seen >= 0) & (seen <= 1)):
         raise ValueError("Argument `mask` must lie between 0 and 1, but does not.")
     if not np.any(seen > 0):
         raise ValueError("Argument `mask` must leave something to compare, but hides the whole image.")
-    if not np.median(np.asarray(luminance(jnp.asarray(image)))[seen > 0]) > 0:
+    if is_concrete(image) and not np.median(np.asarray(luminance(jnp.asarray(image)))[seen > 0]) > 0:
         raise ValueError("Argument `image` must hold light where the mask looks, but is dark there.")
 
 
