@@ -25,8 +25,8 @@ from ..harness._result import Result
 from . import _joint_report, _joint_views, _scene
 from ._recovery_scenes import DOUBTS, FINER, FINISHES, target
 
-ROUNDS = 1
-"""Of the steps with derivatives by differences."""
+ROUNDS = 6
+"""Of the steps with derivatives by differences, at most."""
 
 HELD = 1e-5
 """Deviation of a prior that holds λ where it is: the same program as with one that does not."""

@@ -23,7 +23,7 @@ class JointTargetsConfig(ExperimentConfig):
     slope_scatter: float = key(0.1, unit="-", meaning="of the slope variance, relative", gt=0)
     prior_deviation: float = key(0.5, unit="-", meaning="of a wide prior on λ around its truth", gt=0)
     away: float = key(
-        0.0,
+        0.1,
         unit="-",
         meaning="how far from the truth fits begin: ε lower, λ and Ω higher by this share",
         ge=0,

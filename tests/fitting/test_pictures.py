@@ -123,19 +123,22 @@ class Astray(Stripes):
         return super().picture(size, method) * jnp.exp(more * unexplained(size))
 
 
-def test_derivatives_by_differences_find_the_bottom_where_those_of_another_method_lead_beside_it():
+def test_derivatives_by_differences_find_the_bottom_where_those_of_another_method_lead_beside_it(monkeypatch):
+    rounds, refined = [], _descent._refined
+    monkeypatch.setattr(_descent, "_refined", lambda *given: rounds.append(1) or refined(*given))
     rays = jo.render.Rays()
     # What no number explains pulls at wrong derivatives otherwise than at right ones.
     image = Stripes().picture(SIZE, rays) * jnp.exp(0.2 * unexplained(SIZE))
     target, start = PictureTarget(image), Astray(0.5, 0.4, 0.9, 0.8)
     best = fit_picture(start, free, target, method=rays, tolerance=1e-5)
     beside = fit_picture(start, free, target, finish=rays)
-    found = fit_picture(start, free, target, finish=rays, refine=2)
+    found = fit_picture(start, free, target, finish=rays, refine=20)
     off, left = (
         max(abs(each.values[name] - best.values[name]) for name in NAMES) for each in (beside, found)
     )
     assert left < 1e-3 < off
     assert best.cost <= found.cost * (1 + 1e-6) < beside.cost
+    assert 1 < len(rounds) < 6
     with pytest.raises(ValueError, match="Argument `refine`"):
         fit_picture(start, free, target, refine=1)
 
