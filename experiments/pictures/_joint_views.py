@@ -17,7 +17,7 @@ def plot(store: Files, config: schema.JointTargetsConfig, objectives: Sequence, 
     """`joint.png`: where ε and λ may lie, and the profile of λ, for each objective; what a picture leaves, enlarged."""
     colours = _plots.ORANGE, _plots.BLUE, _plots.VERMILION
     with _plots.figure(1, 2, size=(11.0, 4.8)) as (fig, axes):
-        near = axes[0].inset_axes((0.09, 0.1, 0.36, 0.36)), axes[1].inset_axes((0.42, 0.55, 0.3, 0.38))
+        near = axes[0].inset_axes((0.09, 0.1, 0.36, 0.36)), axes[1].inset_axes((0.07, 0.6, 0.24, 0.35))
         for region, profile in (axes, near):
             for each, colour in zip(objectives, colours, strict=True):
                 label = f"{each.name} (correlation {each.correlation:+.2f})"
@@ -69,7 +69,7 @@ def _enlarge(near, joint, picture, config: schema.JointTargetsConfig) -> None:
     near[1].set(xlim=(grid[0], grid[-1]), ylim=(0, 1.05 * highest))
     for axis in near:
         axis.tick_params(labelsize=7)
-        axis.locator_params(nbins=4)
+        axis.locator_params(nbins=3)
 
 
 def _ellipse(each, covariance: np.ndarray) -> np.ndarray:

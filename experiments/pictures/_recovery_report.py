@@ -7,16 +7,18 @@ import numpy as np
 from .. import schema
 from ..common._markdown import page
 from ..harness._result import Result, Table
-from ._recovery_scenes import BOUNDS, FREE, UNITS
+from ._recovery_scenes import Number, numbers
 
 
 def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result:
     """Numbers, and tables of numbers and of seas."""
+    sought = numbers(config)
+    names = [number.name for number in sought]
     found = [each for each in recoveries if not each.failure]
     whole = [bool(np.all(each.inside)) for each in found]
-    holds = np.asarray([each.holds(config.level) for each in found]).reshape(-1, len(FREE))
-    off = np.abs(np.asarray([each.found - each.truth for each in found])).reshape(-1, len(FREE))
-    inside = np.asarray([each.inside for each in found]).reshape(-1, len(FREE))
+    holds = np.asarray([each.holds(config.level) for each in found]).reshape(-1, len(sought))
+    off = np.abs(np.asarray([each.found - each.truth for each in found])).reshape(-1, len(sought))
+    inside = np.asarray([each.inside for each in found]).reshape(-1, len(sought))
     holding, middle = _means(holds), _medians(off)
     warm = [each.seconds for each in found if not each.compiled]
     values = {
@@ -26,22 +28,22 @@ def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result
         "seas_by_rays": sum(each.rays for each in recoveries),
         "failed": len(recoveries) - len(found),
         "interval_coverage": float(np.mean(holds)) if found else float("nan"),
-        "interval_coverage_of": dict(zip(FREE, holding, strict=True)),
-        "median_error_of": dict(zip(FREE, middle, strict=True)),
+        "interval_coverage_of": dict(zip(names, holding, strict=True)),
+        "median_error_of": dict(zip(names, middle, strict=True)),
         "seconds_median": float(np.median(warm)) if warm else float("nan"),
         "seconds_most": float(np.max(warm)) if warm else float("nan"),
     }
     rows = [
         (
-            name,
-            unit,
-            _bound(bound),
+            number.name,
+            number.unit,
+            _bound(number.bound),
             float(np.sum(inside[:, n])),
             middle[n],
             float(np.max(off[:, n])) if found else float("nan"),
             holding[n],
         )
-        for n, (name, unit, bound) in enumerate(zip(FREE, UNITS, BOUNDS, strict=True))
+        for n, number in enumerate(sought)
     ]
     columns = (
         "number",
@@ -52,7 +54,7 @@ def result(config: schema.PictureRecoveryConfig, recoveries: Sequence) -> Result
         "largest error",
         f"share of {100 * config.level:g} % intervals that hold the truth",
     )
-    tables = Table("Numbers", columns, rows), _seas(recoveries)
+    tables = Table("Numbers", columns, rows), _seas(sought, recoveries)
     return Result(values=values, tables=tables)
 
 
@@ -71,16 +73,13 @@ def _medians(values: np.ndarray) -> list[float]:
     return [float(np.median(column)) if column.size else float("nan") for column in values.T]
 
 
-SHORT = ("U10", "azimuth", "λ", "ε", "sun", "light")
-
-
-def _seas(recoveries: Sequence) -> Table:
+def _seas(sought: Sequence[Number], recoveries: Sequence) -> Table:
     columns = (
         "sea",
         "drawn by",
         "true U10",
         "foam [%]",
-        *(f"{name} [{unit}]" for name, unit in zip(SHORT, UNITS, strict=True)),
+        *(f"{number.short} [{number.unit}]" for number in sought),
         "time [s]",
         "found",
     )

@@ -1,5 +1,7 @@
 """Seas to be found again in pictures: drawn at random, and where the way to them begins."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from statistics import NormalDist
 
 import equinox as eqx
@@ -27,15 +29,40 @@ draws as the target was drawn, but for the target's pixels, of which there are m
 DOUBTS = Raster(1.0), Rays()
 """What is drawn without more rows and columns tells how much these matter."""
 
-FREE = ("wind speed", "wind direction", "choppiness", "threshold", "sun elevation", "exposure")
-UNITS = ("m/s", "rad", "-", "-", "rad", "stops")
 
-BOUNDS = ((0.05, True), (np.radians(3.0), False), (0.05, True), (0.03, False), None, (0.1, False))
-"""How far a number may be off to count as recovered, and whether as a share of it."""
+@dataclass(frozen=True)
+class Number:
+    """One of the numbers that are to be found.
+
+    **Arguments:** `name`, and `short`; `unit`; `bound`: how far it may be off to count as recovered, and whether as a
+    share of it; None if nothing is asked of it.
+    """
+
+    name: str
+    short: str
+    unit: str
+    bound: tuple[float, bool] | None
+
+
+def numbers(config: schema.PictureRecoveryConfig) -> tuple[Number, ...]:
+    """All of them, in the order of `free`."""
+
+    def choppiness(of: str = "") -> Number:
+        return Number("choppiness" + of, "λ" + of, "-", (0.05, True))
+
+    sizes = config.cascade.sizes if config.truths.own_choppiness else ()
+    return (
+        Number("wind speed", "U10", "m/s", (0.05, True)),
+        Number("wind direction", "azimuth", "rad", (np.radians(3.0), False)),
+        *([choppiness(f" of {size:g} m") for size in sizes] or [choppiness()]),
+        Number("threshold", "ε", "-", (0.03, False)),
+        Number("sun elevation", "sun", "rad", None),
+        Number("exposure", "light", "stops", (0.1, False)),
+    )
 
 
 def free(model: SceneModel):
-    """The numbers that are to be found, in the order of `FREE`."""
+    """The leaves that hold the numbers that are to be found."""
     sky = model.sky
     assert isinstance(sky, jo.optics.sky.HosekWilkie)
     return (
@@ -66,6 +93,7 @@ _coverage = eqx.filter_jit(lambda scene: scene.ocean().coverage())
 def _scene(config: schema.PictureRecoveryConfig, cascade: jo.surface.Cascade, random) -> SceneModel:
     speed = random.uniform(config.truths.lowest_wind, config.truths.highest_wind)
     heights = 0.5 * speed, 1.6 * speed
+    patterns = cascade.count if config.truths.own_choppiness else None
     return SceneModel(
         jo.Wind(speed, random.uniform(-np.pi, np.pi)),
         Camera(
@@ -76,7 +104,7 @@ def _scene(config: schema.PictureRecoveryConfig, cascade: jo.surface.Cascade, ra
         ),
         cascade=cascade,
         noise=jo.surface.draw_noise(cascade, key=jax.random.key(int(random.integers(2**31)))),
-        choppiness=random.uniform(0.8, 1.2),
+        choppiness=random.uniform(0.8, 1.2, patterns),
         threshold=random.uniform(0.5, 0.8),
         breaking_wavenumber=config.breaking_wavenumber,
         sky=jo.optics.sky.HosekWilkie(
@@ -92,7 +120,7 @@ def _start(config: schema.PictureRecoveryConfig, truth: SceneModel, random) -> S
             config.truths.nearest_start, config.truths.furthest_start
         )
 
-    speed, direction, choppiness, threshold, sun, exposure = (float(each) for each in free(truth))
+    speed, direction, *choppiness, threshold, sun, exposure = values(truth)
 
     def off_threshold() -> float:
         share = off()
@@ -101,7 +129,7 @@ def _start(config: schema.PictureRecoveryConfig, truth: SceneModel, random) -> S
     found = (
         speed * (1 + off()),
         direction + off(),  # as a share of a radian
-        choppiness * (1 + off()),
+        *(each * (1 + off()) for each in choppiness),
         off_threshold(),
         sun * (1 + off()),
         exposure + 2 * off(),  # stops; 0.4 of them are 30 % of the light
@@ -109,9 +137,20 @@ def _start(config: schema.PictureRecoveryConfig, truth: SceneModel, random) -> S
     return with_numbers(truth, found)
 
 
+def values(model: SceneModel) -> list[float]:
+    """The numbers themselves, in the order of `numbers`."""
+    return [float(each) for leaf in free(model) for each in np.ravel(leaf)]
+
+
 def with_numbers(scene: SceneModel, values) -> SceneModel:
-    """The scene with other numbers in the order of `FREE`."""
-    return eqx.tree_at(free, scene, tuple(jnp.asarray(float(each), jnp.float32) for each in values))
+    """The scene with other numbers, in the order of `numbers`."""
+    leaves = free(scene)
+    ends = np.cumsum([leaf.size for leaf in leaves])[:-1]
+    parts = (
+        jnp.asarray(part.reshape(leaf.shape), jnp.float32)
+        for part, leaf in zip(np.split(np.asarray(values, float), ends), leaves, strict=True)
+    )
+    return eqx.tree_at(free, scene, tuple(parts))
 
 
 def method(config: schema.PictureRecoveryConfig, number: int) -> Raster | Rays:
@@ -131,13 +170,13 @@ def half_width(level: float) -> float:
     return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
 
-def recovered(truth: np.ndarray, found: np.ndarray) -> np.ndarray:
+def recovered(sought: Sequence[Number], truth: np.ndarray, found: np.ndarray) -> np.ndarray:
     """Whether each number lies within its bound; where it has none, True."""
     inside = []
-    for bound, true, value in zip(BOUNDS, truth, found, strict=True):
-        if bound is None:
+    for number, true, value in zip(sought, truth, found, strict=True):
+        if number.bound is None:
             inside.append(True)
             continue
-        most, relative = bound
+        most, relative = number.bound
         inside.append(abs(value - true) <= most * (abs(true) if relative else 1.0))
     return np.asarray(inside)

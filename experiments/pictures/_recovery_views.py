@@ -11,7 +11,7 @@ from .. import schema
 from ..common import _plots
 from ..harness._files import Files, variable
 from . import _scene
-from ._recovery_scenes import BOUNDS, FREE, UNITS, half_width
+from ._recovery_scenes import Number, half_width, numbers
 
 DARKEST = 2.0
 """Difference [stops] that has the darkest colour."""
@@ -20,18 +20,22 @@ DARKEST = 2.0
 def plot(store: Files, config: schema.PictureRecoveryConfig, recoveries: Sequence) -> None:
     """`recovered.png`: how far off each number is, with its interval."""
     found = [each for each in recoveries if not each.failure]
-    with _plots.figure(2, 3, size=(11.0, 6.2)) as (fig, axes):
-        for number, axis in enumerate(axes.flat):
-            _one(axis, config, found, number)
+    sought = numbers(config)
+    columns = -(-len(sought) // 2)
+    with _plots.figure(2, columns, size=(3.6 * columns, 6.2)) as (fig, axes):
+        for place, number in enumerate(sought):
+            _one(axes.flat[place], config, found, place, number)
+        for axis in axes.flat[len(sought) :]:
+            axis.axis("off")
         axes[0, 0].legend(loc="best")
         store.picture("recovered", fig)
 
 
-def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, number: int) -> None:
-    truth = np.asarray([each.truth[number] for each in found])
+def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, place: int, number: Number) -> None:
+    truth = np.asarray([each.truth[place] for each in found])
     rays = np.asarray([each.rays for each in found], bool)
-    off = np.asarray([each.found[number] for each in found]) - truth
-    error = half_width(config.level) * np.asarray([each.errors[number] for each in found])
+    off = np.asarray([each.found[place] for each in found]) - truth
+    error = half_width(config.level) * np.asarray([each.errors[place] for each in found])
     for drawn, colour, label in (
         (rays, _plots.BLUE, "drawn by rays"),
         (~rays, _plots.ORANGE, "by a fine mesh"),
@@ -40,16 +44,15 @@ def _one(axis, config: schema.PictureRecoveryConfig, found: Sequence, number: in
             truth[drawn], off[drawn], yerr=error[drawn], fmt="o", ms=4, lw=1.2, color=colour, label=label
         )
     axis.axhline(0, color=_plots.GREY, lw=1)
-    bound = BOUNDS[number]
-    if bound is not None and truth.size:
-        most, relative = bound
+    if number.bound is not None and truth.size:
+        most, relative = number.bound
         line = np.linspace(truth.min(), truth.max(), 50)
         width = most * (np.abs(line) if relative else np.ones_like(line))
         axis.fill_between(line, -width, width, color=_plots.GREY, alpha=0.15, lw=0, label="asked")
         _mark_beyond(axis, truth, off, 1.7 * float(width.max()))
-    unit = "" if UNITS[number] == "-" else f" ({UNITS[number]})"
-    axis.set(xlabel=f"true {FREE[number]}{unit}", ylabel=f"found − true{unit}")
-    axis.set_title(FREE[number].capitalize())
+    unit = "" if number.unit == "-" else f" ({number.unit})"
+    axis.set(xlabel=f"true {number.name}{unit}", ylabel=f"found − true{unit}")
+    axis.set_title(number.name.capitalize())
 
 
 def _mark_beyond(axis, truth: np.ndarray, off: np.ndarray, edge: float) -> None:
@@ -109,15 +112,16 @@ def show(store: Files, pictures: Sequence[Sequence[np.ndarray]], recoveries: Seq
         store.picture("pictures", fig)
 
 
-def save(store: Files, recoveries: Sequence) -> None:
+def save(store: Files, config: schema.PictureRecoveryConfig, recoveries: Sequence) -> None:
     """`recovered.nc`: truths, starts, what was found, and its errors."""
     variables = {}
-    for number, (name, unit) in enumerate(zip(FREE, UNITS, strict=True)):
-        units = {"-": "1", "stops": "1"}.get(unit, unit.replace("/s", " s-1"))
+    for place, number in enumerate(numbers(config)):
+        name = number.name
+        units = {"-": "1", "stops": "1"}.get(number.unit, number.unit.replace("/s", " s-1"))
         for kind in ("truth", "start", "found", "errors"):
-            values = np.asarray([getattr(each, kind)[number] for each in recoveries])
+            values = np.asarray([getattr(each, kind)[place] for each in recoveries])
             words = {"errors": "standard error", "found": "found"}.get(kind, kind)
-            stops = " in stops" if unit == "stops" else ""
+            stops = " in stops" if number.unit == "stops" else ""
             variables[f"{name.replace(' ', '_')}_{kind}"] = variable(
                 "sea", values, units=units, long_name=f"{name}, {words}{stops}"
             )

@@ -32,10 +32,7 @@ HELD = 1e-5
 """Deviation of a prior that holds λ where it is: the same program as with one that does not."""
 
 REACH = 4.0
-"""How far profiles go to either side [standard errors]."""
-
-DOUBTED = 2.0
-"""The same with a picture, of errors that count what renderers differ in."""
+"""How far profiles go to either side [standard errors]; with a picture errors count what renderers differ in."""
 
 WIDEST = (0.2, 2.5)
 """Between which λ the profiles without a picture go."""
@@ -241,7 +238,7 @@ def _with_picture(
     best = _fit(kept, "all", start, image, beside, _prior(config))
     advance()
     # Closer by, the cost is as rough as pictures are where crests move across pixels.
-    reach = DOUBTED * best.errors["choppiness"]
+    reach = REACH * best.errors["choppiness"]
     grid = best.values["choppiness"] + reach * np.linspace(-1, 1, config.points)
     costs, values = [], []
     for value in grid:

@@ -1,5 +1,6 @@
 """`picture_recovery`: seas found again in pictures of them, and whether the errors of the fits can be trusted."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,13 +28,14 @@ SHOWN = 3
 
 @dataclass(frozen=True)
 class Recovery:
-    """A sea that was looked for: numbers in the order of `_recovery_scenes.FREE`.
+    """A sea that was looked for.
 
-    **Arguments:** `number`: which; `rays`: whether these drew its picture; `coverage`: its whitecaps; `truth`, `start`,
-    `found`, `errors`; `steps`, `seconds`: of the fit; `compiled`: whether these hold the compilation; `failure`: why
-    nothing was found, else empty.
+    **Arguments:** `sought`: what of it was; `number`: which; `rays`: whether these drew its picture; `coverage`: its
+    whitecaps; `truth`, `start`, `found`, `errors`: in the order of `sought`; `steps`, `seconds`: of the fit;
+    `compiled`: whether these hold the compilation; `failure`: why nothing was found, else empty.
     """
 
+    sought: tuple[_recovery_scenes.Number, ...]
     number: int
     rays: bool
     coverage: float
@@ -49,7 +51,7 @@ class Recovery:
     @cached_property
     def inside(self) -> np.ndarray:
         """Whether each number was recovered."""
-        return _recovery_scenes.recovered(self.truth, self.found)
+        return _recovery_scenes.recovered(self.sought, self.truth, self.found)
 
     def holds(self, level: float) -> np.ndarray:
         """Whether each number's interval of that probability holds the truth."""
@@ -76,12 +78,13 @@ def run(config: schema.PictureRecoveryConfig, progress: Reporter, store: Files) 
             f"Interrupted: {len(done)} of {config.truths.count} seas are kept, and the same command goes on with the "
             "others."
         ) from None
-    recoveries = [_read(done[number]) for number in range(config.truths.count)]
+    sought = _recovery_scenes.numbers(config)
+    recoveries = [_read(done[number], sought) for number in range(config.truths.count)]
     progress.step("Drawing")
     _recovery_views.plot(store, config, recoveries)
     shown = [each for each in recoveries if not each.failure][:SHOWN]
     _recovery_views.show(store, [_pictures(config, each) for each in shown], shown)
-    _recovery_views.save(store, recoveries)
+    _recovery_views.save(store, config, recoveries)
     result = _recovery_report.result(config, recoveries)
     store.text("report.md", _recovery_report.report(config, recoveries, result))
     return result
@@ -116,13 +119,14 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
         )
     except FitError as problem:
         failure = str(problem)
-    values, errors = _numbers(found)
+    true = _recovery_scenes.values(truth)
+    values, errors = _numbers(found, len(true))
     return {
         "number": number,
         "rays": isinstance(method, Rays),
         "coverage": coverage,
-        "truth": [float(each) for each in _recovery_scenes.free(truth)],
-        "start": [float(each) for each in _recovery_scenes.free(start)],
+        "truth": true,
+        "start": _recovery_scenes.values(start),
         "found": values,
         "errors": errors,
         "steps": len(found.steps) if found else 0,
@@ -132,20 +136,24 @@ def _recover(config: schema.PictureRecoveryConfig, number: int, compiled: bool) 
     }
 
 
-def _numbers(found: PictureFit | None) -> tuple[list[float | None], list[float | None]]:
+def _numbers(found: PictureFit | None, count: int) -> tuple[list[float | None], list[float | None]]:
     if found is None:
-        nothing: list[float | None] = [None] * len(_recovery_scenes.FREE)
+        nothing: list[float | None] = [None] * count
         return nothing, nothing
-    return [float(each) for each in found.values.values()], [float(each) for each in found.errors.values()]
+    return _flat(found.values), _flat(found.errors)
 
 
-def _read(record: dict) -> Recovery:
+def _flat(named: Mapping) -> list[float | None]:
+    return [float(each) for value in named.values() for each in np.ravel(value)]
+
+
+def _read(record: dict, sought: tuple[_recovery_scenes.Number, ...]) -> Recovery:
     arrays = {
         name: np.asarray([np.nan if each is None else each for each in record[name]], float)
         for name in ("truth", "start", "found", "errors")
     }
     seconds = np.nan if record["seconds"] is None else record["seconds"]
-    return Recovery(**{**record, **arrays, "seconds": seconds})
+    return Recovery(sought, **{**record, **arrays, "seconds": seconds})
 
 
 def _pictures(config: schema.PictureRecoveryConfig, each: Recovery) -> list[np.ndarray]:

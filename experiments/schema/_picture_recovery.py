@@ -18,6 +18,7 @@ class TruthConfig(Section):
         0.004, unit="-", meaning="a sea with fewer whitecaps is drawn anew", ge=0, lt=1
     )
     most_coverage: float = key(0.06, unit="-", meaning="a sea with more of them is drawn anew", gt=0, le=1)
+    own_choppiness: bool = key(False, meaning="each pattern has a λ of its own, and each is to be found")
     nearest_start: float = key(
         0.3, unit="-", meaning="share by which each number is wrong at the start, at least", ge=0, lt=1
     )

@@ -23,6 +23,11 @@ SMALL = ["truths.count=6", "height=18", "width=32", "cascade.sizes=[120.0,17.0]"
 ERRORS = np.array([0.1, 0.01, 0.01, 0.005, 0.01, 0.02])
 
 
+def errors_of(scene):
+    """`ERRORS`, that of λ as often as the scene has one."""
+    return np.repeat(ERRORS, [leaf.size for leaf in _recovery_scenes.free(scene)])
+
+
 class Watching(Silent):
     """Stops after some seas."""
 
@@ -58,16 +63,18 @@ def made_up(monkeypatch):
         fits.append(number)
         if number % 5 == 4:
             raise FitError("The fit did not come to rest", "a joke", "another")
-        values = {str(i): float(each) for i, each in enumerate(free(start))}
-        covariance = np.diag(ERRORS**2)
-        errors = dict(zip(values, ERRORS, strict=True))
+        values = {str(i): np.asarray(each) for i, each in enumerate(free(start))}
+        own = errors_of(start)
+        covariance = np.diag(own**2)
+        errors = dict(
+            zip(values, np.split(own, np.cumsum([v.size for v in values.values()])[:-1]), strict=True)
+        )
         return PictureFit(values, errors, tuple(values), covariance, 0 * covariance, 1.0, 0.5, (), 2.0, start)
 
     def draw(config, number):
         truth, _, coverage = whole(config, number)
-        numbers = np.array([float(each) for each in _recovery_scenes.free(truth)])
-        off = (0.1, 1.0, 2.0)[number % 3]
-        return truth, _recovery_scenes.with_numbers(truth, numbers + off * ERRORS), coverage
+        off = (0.1, 1.0, 2.0)[number % 3] * errors_of(truth)
+        return truth, _recovery_scenes.with_numbers(truth, _recovery_scenes.values(truth) + off), coverage
 
     whole = _recovery_scenes.draw
     monkeypatch.setattr(picture_recovery, "fit_picture", fit)
@@ -96,6 +103,24 @@ def test_seas_are_counted_as_they_are_found_and_an_interrupted_search_goes_on(tm
         off = np.abs(data["wind_speed_found"] - data["wind_speed_truth"])
         np.testing.assert_allclose(off, [0.01, 0.1, 0.2, 0.01, np.nan, 0.2], atol=1e-5)
     assert {"recovered.png", "pictures.png"} <= set(finished.files())
+
+
+def test_each_pattern_may_have_its_own_choppiness(tmp_path, made_up):
+    finished = execute(load("picture_recovery", [*SMALL, "truths.own_choppiness=true"], output=str(tmp_path)))
+    values = json.loads((finished.folder / "result.json").read_text())
+    assert values["interval_coverage"] == pytest.approx(0.6)
+    found = [name for name in values["median_error_of"] if "choppiness" in name]
+    with xr.open_dataset(finished.folder / "recovered.nc") as data:
+        each = [data[f"{name.replace(' ', '_')}_truth"].values for name in found]
+    assert len(found) == 2
+    assert np.all(np.abs(np.subtract(*each)) > 1e-3)
+    # One that is a tenth off is not recovered, whichever it is.
+    config = load("picture_recovery", [*SMALL, "truths.own_choppiness=true"]).config
+    truth, *_ = _recovery_scenes.draw(config, 0)
+    numbers = np.array(_recovery_scenes.values(truth))
+    wrong = numbers * np.where(np.arange(numbers.size) == 3, 1.1, 1.0)
+    inside = _recovery_scenes.recovered(_recovery_scenes.numbers(config), numbers, wrong)
+    assert list(np.flatnonzero(~inside)) == [3]
 
 
 def test_fits_that_are_to_know_no_rays_finish_with_a_mesh(tmp_path, made_up):
@@ -135,7 +160,7 @@ def test_starts_are_as_far_off_as_is_asked():
     # Of these some have an ε that could not be a third larger.
     for number in range(6):
         truth, start, coverage = _recovery_scenes.draw(config, number)
-        true, begun = (np.array([float(e) for e in _recovery_scenes.free(s)]) for s in (truth, start))
+        true, begun = (np.array(_recovery_scenes.values(s)) for s in (truth, start))
         assert 0.004 < coverage < 0.06
         off = np.abs(begun - true)
         share = off / np.array([true[0], 1.0, true[2], true[3], true[4], 2.0])
@@ -144,8 +169,9 @@ def test_starts_are_as_far_off_as_is_asked():
 
 
 def test_recoveries_are_told_apart_by_their_bounds():
+    sought = _recovery_scenes.numbers(load("picture_recovery", SMALL).config)
     each = picture_recovery.Recovery(
-        0, True, 0.01, np.ones(6), np.ones(6), np.ones(6), np.full(6, 0.01), 3, 1.0, False, ""
+        sought, 0, True, 0.01, np.ones(6), np.ones(6), np.ones(6), np.full(6, 0.01), 3, 1.0, False, ""
     )
     assert np.all(each.inside)
     off = dataclasses.replace(each, found=np.array([1.06, 1.06, 1.06, 1.04, 9.0, 1.11]))
