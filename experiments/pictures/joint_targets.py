@@ -1,7 +1,7 @@
 """`joint_targets`: how a coverage law, slopes and a picture together tell ε from λ."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import equinox as eqx
@@ -234,7 +234,7 @@ def _with_picture(
     beside: fitting.TargetSum,
     advance: Callable[[], None],
 ) -> Objective:
-    """All three at once, and again with λ held at values around what was found."""
+    """All three at once, and again with λ held at values around what was found; the lowest of these fits counts."""
     best = _fit(kept, "all", start, image, beside, _prior(config))
     advance()
     # Closer by, the cost is as rough as pictures are where crests move across pixels.
@@ -262,6 +262,10 @@ def _with_picture(
         fit=None,
         warnings=(),
     )
+    lowest = int(np.argmin(costs))
+    if costs[lowest] < 2 * best.cost:
+        # The free fit comes to rest where it gains little, which can still be much for a profile.
+        best = replace(best, values=dict(zip(NAMES, values[lowest], strict=True)))
     return _objective("law, slopes and picture", best, profile)
 
 

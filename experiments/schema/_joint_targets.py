@@ -25,7 +25,7 @@ class JointTargetsConfig(ExperimentConfig):
     away: float = key(
         0.1,
         unit="-",
-        meaning="how far from the truth fits begin: ε lower, λ and Ω higher by this share",
+        meaning="how far from the truth fits begin: ε times one less, λ and Ω times one more than this",
         ge=0,
         lt=0.5,
     )

@@ -179,18 +179,21 @@ def finish_with(problem: PictureProblem, free: Array, jacobian: Array) -> tuple[
     return free, rows
 
 
-def refine(problem: PictureProblem, free: Array, rows: Array, rounds: int) -> tuple[Array, Array]:
+def refine(
+    problem: PictureProblem, free: Array, rows: Array, jacobian: Array, rounds: int
+) -> tuple[Array, Array, Array]:
     """Gauss–Newton steps with derivatives by differences of the method's own pictures, which each round takes anew, as
-    long as a round gains something."""
+    long as a round gains something; where they end, with the last of these derivatives, or those given if there is no
+    round."""
     for _ in range(rounds):
         before = float(jnp.sum(rows**2))
-        free, rows = _refined(problem, free, rows)
+        free, rows, jacobian = _refined(problem, free, rows)
         if not before - float(jnp.sum(rows**2)) > FINISHED * before:
             break
-    return free, rows
+    return free, rows, jacobian
 
 
-def _refined(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array]:
+def _refined(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, Array, Array]:
     steps = DIFFERENCE * jnp.eye(free.size)
     sides = [[rows_of(problem, free + side * step) for side in (1, -1)] for step in steps]
     jacobian = jnp.stack([(ahead - behind) / (2 * DIFFERENCE) for ahead, behind in sides], axis=1)
@@ -205,7 +208,7 @@ def _refined(problem: PictureProblem, free: Array, rows: Array) -> tuple[Array, 
                 break
         if not gain > FINISHED:
             break
-    return free, rows
+    return free, rows, jacobian
 
 
 def shift(problem: PictureProblem, free: Array, rows: Array, jacobian: Array) -> Array:

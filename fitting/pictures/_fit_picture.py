@@ -116,7 +116,8 @@ def fit_picture(
       above 1 the model answers `picture(size, method, detail)`.
     - `refine`: how many rounds of such steps follow at most, with derivatives by differences of the method that
       finishes, two pictures for each free number and round: where numbers are told apart so badly that the other's
-      derivatives lead along a valley instead of down to its bottom. A round that gains nothing is the last.
+      derivatives lead along a valley instead of down to its bottom. A round that gains nothing is the last, and
+      errors are those by its derivatives.
     - `doubts`: other methods, without that detail, whose pictures might be as right: how far the numbers would move
       with each of them, to first order, counts as one standard error of its own. Those of `finish` that explain the
       picture less well are in doubt in any case.
@@ -203,7 +204,7 @@ def fit_picture(
             best = int(np.argmin(costs))
             problem, (free_values, rows) = ways[best], ends[best]
             unsure += ways[:best] + ways[best + 1 :]
-            free_values, rows = refined(problem, free_values, rows, refine)
+            free_values, rows, jacobian = refined(problem, free_values, rows, jacobian, refine)
         values = np.asarray(problem.constrain(free_values))
         stretch = problem.stretch(free_values)
         covariance, scatter = _covariance(problem, rows, jacobian / stretch)

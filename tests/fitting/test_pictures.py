@@ -143,6 +143,51 @@ def test_derivatives_by_differences_find_the_bottom_where_those_of_another_metho
         fit_picture(start, free, target, refine=1)
 
 
+class Jagged(Astray):
+    """Samples of pixels change by chance as crests move: steeply, and by little."""
+
+    def picture(self, size, method):
+        chance = 0.02 * jnp.sin(2e3 * self.choppiness + 7.0 * jnp.arange(size[0], dtype=float))
+        return super().picture(size, method) * jnp.exp(chance[:, None, None])
+
+
+def test_derivatives_over_wide_differences_lead_down_where_pictures_change_by_chance(monkeypatch):
+    rays = jo.render.Rays()
+    image = Stripes().picture(SIZE, rays) * jnp.exp(0.2 * unexplained(SIZE))
+    target, start = PictureTarget(image), Jagged(0.3, 0.5, 0.82, 1.0)
+
+    def found(**more):
+        return fit_picture(start, lambda m: m.choppiness, target, finish=rays, tolerance=0.5, **more)
+
+    wide = found(refine=6)
+    monkeypatch.setattr(_descent, "DIFFERENCE", 1e-4)
+    narrow = found(refine=6)
+    off = [abs(each.values["choppiness"] - 0.8) for each in (wide, narrow)]
+    assert off[0] < 0.01 < 0.02 < off[1]
+    # Errors are those by the last of these derivatives: steep ones make them too small.
+    assert off[0] < wide.errors["choppiness"]
+    assert off[1] > 10 * narrow.errors["choppiness"]
+
+
+class Pair(Stripes):
+    """Each set of stripes has its own λ."""
+
+    def picture(self, size, method):
+        first, second = self.choppiness
+        one = Stripes(self.phase, self.contrast, first, self.exposure).picture(size, method)
+        return one * Stripes(self.phase + 1.0, self.contrast, second, 0.0).picture(size, method)
+
+
+def test_a_number_may_be_one_for_each_pattern():
+    truth, told = Pair(choppiness=jnp.array([0.7, 1.1])), []
+    target = PictureTarget(truth.picture(SIZE, None))
+    start = Pair(0.4, 0.4, jnp.array([1.0, 0.8]), 0.8)
+    found = fit_picture(start, free, target, scouts=9, report=told.append)
+    np.testing.assert_allclose(found.values["choppiness"], [0.7, 1.1], rtol=1e-3)
+    assert found.errors["choppiness"].shape == told[-1].values["choppiness"].shape == (2,)
+    assert found.covariance.shape == (5, 5)
+
+
 def test_what_another_method_would_change_counts_as_an_error():
     truth, start = Rough(), Rough(0.8, 0.35, 1.1, 0.2)
     target = PictureTarget(truth.picture(SIZE, jo.render.Rays()))
