@@ -1,5 +1,6 @@
 """Pictures and data of `picture_recovery`."""
 
+import re
 from collections.abc import Sequence
 
 import jax.numpy as jnp
@@ -122,7 +123,7 @@ def save(store: Files, config: schema.PictureRecoveryConfig, recoveries: Sequenc
             values = np.asarray([getattr(each, kind)[place] for each in recoveries])
             words = {"errors": "standard error", "found": "found"}.get(kind, kind)
             stops = " in stops" if number.unit == "stops" else ""
-            variables[f"{name.replace(' ', '_')}_{kind}"] = variable(
+            variables[f"{re.sub('[ .]', '_', name)}_{kind}"] = variable(
                 "sea", values, units=units, long_name=f"{name}, {words}{stops}"
             )
     for name, unit, words in (

@@ -82,7 +82,9 @@ def made_ready(
         try:
             pitch, roll = find_horizon(light, seen).angles(view)
         except FitError as problem:
-            hidden = ", or a `mask` of what hides it" if key == "image" and mask is None else ""
+            hidden = ", or a mask that leaves it in view" if mask is not None else ""
+            if key == "image" and mask is None:
+                hidden = ", or a `mask` of what hides it"
             behind = f" where `{mask}` is white" if mask is not None else ""
             raise UserError(
                 f"Key `{key}`: {name} shows no horizon{behind}: give `camera.pitch` and `camera.roll`{hidden}."

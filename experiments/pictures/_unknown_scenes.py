@@ -30,7 +30,7 @@ PHILLIPS = 0.0081
 
 LARGER = 4
 """Times as many rows and columns as are compared have the pictures in which the horizon is sought, as photographs have;
-in those of single rows it is found 0.3° off, and winds come out wrong by half as much again."""
+in those of single rows it is found 0.3° off, and winds come out wrong by two thirds as much again."""
 
 METHODS: dict[str, Raster | Rays] = {"raster": Raster(0.5), "rays": Rays()}
 """What draws the pictures."""

@@ -84,6 +84,10 @@ def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, sto
     lesson = _lessons.learned(taken.camera, taken.size, taken.mask, config, keep=learned, progress=progress)
     progress.step("Going down; the first step compiles, for a minute or two")
     begin = before[-1]["values"] if before and taught else None
+    if begin is not None:
+        left = max(config.inference.steps - (len(before) - 1), 1)
+        inference = config.inference.model_copy(update={"steps": left})
+        config = config.model_copy(update={"inference": inference})
     return _photographs.fit(taken, config, lesson, begin=begin, report=report)
 
 

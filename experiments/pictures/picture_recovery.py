@@ -63,7 +63,7 @@ def run(config: schema.PictureRecoveryConfig, progress: Reporter, store: Files) 
     kept = store.unfinished() / "recovered.jsonl"
     done = {record["number"]: record for record in _records.read(kept)}
     advance = progress.count(
-        "Seas looked for in their pictures; the first two compile, for minutes", config.truths.count
+        "Seas looked for in their pictures; the first compiles, for minutes", config.truths.count
     )
     compiled = True
     try:

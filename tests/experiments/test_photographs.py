@@ -84,6 +84,7 @@ def made_up(monkeypatch):
     def fit(photograph, free, image, *, mask, lesson, **more):
         begin, report = more.get("begin"), more.get("report")
         calls.append({"camera": photograph.scene.camera, "mask": mask, "lesson": lesson, "begin": begin})
+        calls[-1]["steps"] = more["most_steps"]
         number = len(calls)
         values = {"speed": 8.0 + number, "sun_elevation": 0.5, "sun_azimuth": 0.1, "cover": 0.4}
         first = 5.0 if begin is None else begin["speed"]
@@ -222,6 +223,8 @@ def test_an_interrupted_fit_goes_on_from_its_last_step(tmp_path, made_up, monkey
     execute(loaded)
     assert made_up[0]["begin"] is None
     assert made_up[1]["begin"]["speed"] == 6.0
+    # One step had been taken.
+    assert made_up[1]["steps"] == made_up[0]["steps"] - 1
     # Steps from before the interruption are shown too, and the one from which it went on once.
     titles = [title for title, _ in shown]
     assert titles == ["expected: 8.5 m/s", *(f"step {number}: {5 + number}.0 m/s" for number in range(4))]
