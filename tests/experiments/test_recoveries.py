@@ -190,7 +190,9 @@ def test_joint_targets_go_on_after_an_interruption(tmp_path, monkeypatch):
         values = dict(zip(joint_targets.NAMES, map(float, free(start)), strict=True))
         covariance = np.diag(np.array([0.004, 0.01, 0.02]) ** 2)
         errors, doubted = dict.fromkeys(values, 0.01), 0.5 * covariance
-        return PictureFit(values, errors, (), covariance, doubted, 3.0, 1.0, (), 1.0, start)
+        # The free fits come to rest at 1.1, above the bottom.
+        cost = 1.0 + 50.0 * (values["choppiness"] - 1.06) ** 2
+        return PictureFit(values, errors, (), covariance, doubted, 3.0, cost, (), 1.0, start)
 
     monkeypatch.setattr(joint_targets, "fit_picture", fit)
     monkeypatch.setattr(joint_targets, "target", lambda scene, size, detail, method: jnp.ones((*size, 3)))
@@ -204,10 +206,12 @@ def test_joint_targets_go_on_after_an_interruption(tmp_path, monkeypatch):
     loaded = load("joint_targets", [*values, "breaking_wavenumber=4.0"], output=str(tmp_path))
     with pytest.raises(Interrupted, match="each finished fit"):
         execute(loaded)
-    execute(loaded)
+    finished = execute(loaded)
     # Three were kept, and that at which it was stopped is done again.
     assert len(calls) == 2 + loaded.config.points + 1
     assert calls[3] == calls[4]
+    found = json.loads((finished.folder / "result.json").read_text())
+    np.testing.assert_allclose(found["values"][2:], [[0.585, 1.06], [0.585, 1.1]], rtol=1e-6)
 
 
 def test_joint_fits_begin_away_from_the_truth():
