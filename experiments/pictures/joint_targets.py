@@ -28,6 +28,9 @@ from ._recovery_scenes import DOUBTS, FINER, FINISHES, target
 ROUNDS = 6
 """Of the steps with derivatives by differences, at most."""
 
+STEPS = 120
+"""At most, on coarse squares and on all: along a valley they are short."""
+
 HELD = 1e-5
 """Deviation of a prior that holds λ where it is: the same program as with one that does not."""
 
@@ -217,6 +220,7 @@ def _fit(
         detail=FINER,
         refine=ROUNDS,
         doubts=DOUBTS,
+        most_steps=STEPS,
     )
     values, errors = ({key: float(value) for key, value in each.items()} for each in (fit.values, fit.errors))
     found = Found(
