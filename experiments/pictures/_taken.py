@@ -82,10 +82,11 @@ def made_ready(
         try:
             pitch, roll = find_horizon(light, seen).angles(view)
         except FitError as problem:
-            hidden = ", or a mask that leaves it in view" if mask is not None else ""
-            if key == "image" and mask is None:
+            hidden = behind = ""
+            if mask is not None:
+                hidden, behind = ", or a mask that leaves it in view", f" where `{mask}` is white"
+            elif key == "image":
                 hidden = ", or a `mask` of what hides it"
-            behind = f" where `{mask}` is white" if mask is not None else ""
             raise UserError(
                 f"Key `{key}`: {name} shows no horizon{behind}: give `camera.pitch` and `camera.roll`{hidden}."
             ) from problem

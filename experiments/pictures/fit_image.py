@@ -73,19 +73,20 @@ def _fitted(config: schema.FitImageConfig, taken: Taken, progress: Reporter, sto
     kept, learned = store.unfinished() / STEPS, store.unfinished() / "lesson.npz"
     before = _records.read(kept)
     taught = learned.is_file()
+    done = max(len(before) - 1, 0)
 
     def report(step: PictureStep) -> None:
         values = {name: float(np.asarray(value)) for name, value in step.values.items()}
         _records.append(kept, {"cost": step.cost, "values": values})
         wind = f"U10 {values[_photographs.WIND]:.2f} m/s"
         # An interrupted fit goes on from its last step.
-        progress.step(f"Step {max(len(before) - 1, 0) + step.number}: {wind}, cost {step.cost:.3g}")
+        progress.step(f"Step {done + step.number}: {wind}, cost {step.cost:.3g}")
 
     lesson = _lessons.learned(taken.camera, taken.size, taken.mask, config, keep=learned, progress=progress)
     progress.step("Going down; the first step compiles, for a minute or two")
     begin = before[-1]["values"] if before and taught else None
     if begin is not None:
-        left = max(config.inference.steps - (len(before) - 1), 1)
+        left = max(config.inference.steps - done, 1)
         inference = config.inference.model_copy(update={"steps": left})
         config = config.model_copy(update={"inference": inference})
     return _photographs.fit(taken, config, lesson, begin=begin, report=report)

@@ -254,7 +254,8 @@ def _with_picture(
         costs.append(2 * held.cost + off**2)
         values.append([held.values[name] for name in NAMES])
         advance()
-    excess = np.asarray(costs) - min(2 * best.cost, *costs)
+    lowest = int(np.argmin(costs))
+    excess = np.asarray(costs) - min(2 * best.cost, costs[lowest])
     profile = fitting.Profile(
         "choppiness",
         "-",
@@ -262,11 +263,10 @@ def _with_picture(
         grid,
         excess,
         np.asarray(values),
-        best=float(grid[np.argmin(excess)]),
+        best=float(grid[lowest]),
         fit=None,
         warnings=(),
     )
-    lowest = int(np.argmin(costs))
     if costs[lowest] < 2 * best.cost:
         # The free fit comes to rest where it gains little, which can still be much for a profile.
         best = replace(best, values=dict(zip(NAMES, values[lowest], strict=True)))
